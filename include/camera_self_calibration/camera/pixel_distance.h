@@ -1,0 +1,26 @@
+#pragma once
+
+#include "camera_self_calibration/camera/camera.h"
+
+namespace camera_self_calibration {
+
+/// An error over the image, in pixels: root mean square and largest value over a 40 x 30 grid of
+/// the pixels that have a ray.
+struct PixelError {
+  double rms = 0.0;
+  double max = 0.0;
+};
+
+/// Expected error of projections with intrinsics of covariance `covariance` (n_c x n_c), rays
+/// fixed, after removing what a rotation B omega of the camera absorbs:
+/// `A' = A - B (sum B^T B)^-1 sum B^T A`, per grid point `A' C A'^T`, rms = sqrt(mean trace),
+/// max = sqrt(max trace). Infinite where the covariance is not finite.
+PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance);
+
+/// Distance between two calibrations of one image size, whatever their models: the pixels of `a`'s
+/// grid, their rays, projected by `b` after the camera rotation that fits best. Infinite where no
+/// pixel of `a` projects in `b`. Grid points further than `max_radius_px` from a's principal point
+/// are left out.
+PixelError pixelDistance(const Camera& a, const Camera& b, double max_radius_px = 1e9);
+
+}  // namespace camera_self_calibration

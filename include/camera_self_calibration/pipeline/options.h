@@ -1,0 +1,35 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/tracking/keyframe_rule.h"
+#include "camera_self_calibration/tracking/tracker.h"
+
+namespace camera_self_calibration {
+
+/// Every option of the pipeline, one struct for the nodelet, the offline tool and tests.
+struct Options {
+  CameraModel model = CameraModel::kFov;
+  /// Start values of the intrinsics; none: Camera::defaultGuess of the first image's size.
+  std::optional<Camera> initial_camera;
+
+  TrackerOptions tracker;
+  KeyframeOptions keyframe;
+
+  int sliding_window_keyframes = 10;  ///< Active keyframes of the sliding window.
+  int segment_keyframes = 10;         ///< Keyframes of a candidate window and of a segment.
+  int queue_segments = 10;            ///< Segments in the queue.
+  int startup_keyframes = 30;         ///< At most, in the startup batch.
+  double alpha = 0.95;                ///< Update rule of the queue, in (0, 1) (section II-B).
+  double converged_pixel_rms = 0.0;   ///< CONVERGED below this [px]; 0: 1 px per 640 px of width.
+  int solver_threads = 1;             ///< For the segments of a joint solve; result independent.
+  int max_queued_images = 2;          ///< Live: images waiting before the oldest is dropped.
+
+  /// Every violated bound in one sentence each; empty if all is well.
+  std::vector<std::string> problems() const;
+};
+
+}  // namespace camera_self_calibration

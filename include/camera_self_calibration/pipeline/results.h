@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/geometry/rigid3.h"
+#include "camera_self_calibration/tracking/track.h"
+
+namespace camera_self_calibration {
+
+enum class TrackingState { kInitializing, kTracking, kLost };
+enum class CalibrationState {
+  kWaitingForMotion,
+  kInitializing,
+  kConverging,
+  kConverged,
+  kDegenerate
+};
+enum class EventType { kCalibrationChange, kHandover, kConverged, kLost, kRelocalized, kInput };
+
+/// "TRACKING", "WAITING_FOR_MOTION", "HANDOVER", ...: the names used in messages and files.
+std::string toString(TrackingState state);
+std::string toString(CalibrationState state);
+std::string toString(EventType type);
+
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+/// What one image told, published in the order of the images.
+struct FrameResult {
+  std::int64_t stamp_ns = 0;  ///< Of the image.
+  TrackingState state = TrackingState::kInitializing;
+  std::string sentence;     ///< The state in words, with what would help.
+  std::uint64_t map_id = 0;  ///< Poses of different maps have different frames and scales.
+  /// Map units: the scale is arbitrary. Axes of the optical frame (REP 103).
+  Rigid3 world_from_camera;
+  /// Of a perturbation (translation in the world [map unit], rotation in the camera [rad]).
+  Matrix6d pose_covariance = Matrix6d::Zero();
+  bool is_keyframe = false;
+  std::int64_t keyframe_id = -1;          ///< If is_keyframe.
+  std::uint64_t calibration_revision = 0;  ///< Of the intrinsics used.
+  TrackedFrame tracks;
+  double processing_seconds = 0.0;
+};
+
+/// One segment of the queue, for reports.
+struct SegmentReport {
+  std::int64_t sequence = 0;
+  std::int64_t begin_ns = 0;
+  std::int64_t end_ns = 0;
+  double entropy = 0.0;  ///< Normalised differential entropy of its own marginal [nats].
+  int keyframes = 0;
+  int landmarks = 0;
+  int observations = 0;
+};
+
+struct QueueReport {
+  std::vector<SegmentReport> segments;
+  int swaps = 0;              ///< Changes of the queue since the start.
+  bool last_accepted = false;
+  std::string last_decision;  ///< What became of the newest candidate, and why.
+};
+
+/// What is known of the intrinsics.
+struct CalibrationReport {
+  std::int64_t stamp_ns = 0;  ///< Of the newest image that it rests on.
+  CalibrationState state = CalibrationState::kWaitingForMotion;
+  std::string sentence;  ///< The state in words.
+  std::string hint;      ///< Which motion would help; empty if none is needed.
+  Camera camera;
+  IntrinsicsMatrix covariance;      ///< n_c x n_c; empty until there is an estimate.
+  PixelError uncertainty;           ///< [px]; infinite until there is an estimate.
+  double entropy = 0.0;             ///< Of the estimate, normalised as the segments' [nats].
+  std::uint64_t revision = 0;       ///< Grows with each new estimate.
+  std::uint64_t epoch = 0;          ///< Grows with each change of the physical camera.
+  bool handed_over = false;         ///< From the startup batch to the queue.
+  std::int64_t keyframes = 0;       ///< Seen so far.
+  QueueReport queue;
+};
+
+struct Event {
+  EventType type = EventType::kInput;
+  std::int64_t stamp_ns = 0;        ///< Of the image that raised it.
+  std::int64_t onset_stamp_ns = 0;  ///< Dated start of a change; else equal to stamp_ns.
+  std::string sentence;
+};
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/tracking/track.h"
+
+namespace camera_self_calibration {
+
+struct KeyframeOptions {
+  double min_parallax = 0.02;       ///< Median track motion beyond rotation, per image width.
+  double min_rotation_deg = 8.0;    ///< [deg]
+  double min_tracked_share = 0.7;   ///< Of the last keyframe's tracks; fewer make a keyframe.
+
+  std::vector<std::string> problems() const;
+};
+
+/// Decides from tracks alone whether an image becomes a keyframe: on pixel parallax after removing
+/// the rotation, on rotation, and on tracks lost since the last keyframe. Never on translation in
+/// map units, whose scale is arbitrary. A still camera makes no keyframe.
+class KeyframeRule {
+ public:
+  explicit KeyframeRule(const KeyframeOptions& options) : options_(options) {}
+
+  /// `camera` serves to remove the rotation; it may be a rough guess.
+  bool isKeyframe(const TrackedFrame& frame, const Camera& camera) const;
+
+  /// The frame that later ones are compared with (with the tracks detected in it).
+  void setKeyframe(const TrackedFrame& frame) { last_ = frame; }
+  void reset() { last_ = TrackedFrame(); }
+
+ private:
+  KeyframeOptions options_;
+  TrackedFrame last_;
+};
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/tracking/image_view.h"
+#include "camera_self_calibration/tracking/track.h"
+
+namespace camera_self_calibration {
+
+struct TrackerOptions {
+  int max_features = 128;            ///< Live tracks, at most.
+  double min_distance_px = 0.0;      ///< Between features; 0: chosen from image size and count.
+
+  /// Every violated bound in one sentence each; empty if all is well.
+  std::vector<std::string> problems() const;
+};
+
+/// Follows Harris corners from image to image (sections II-A, II-C): pyramidal KLT predicts, then
+/// the patch is registered, with an affine warp, gain and bias, against the image in which the
+/// corner was detected, so that errors do not add up along the track.
+class Tracker {
+ public:
+  explicit Tracker(const TrackerOptions& options);
+  ~Tracker();
+
+  /// Advances all tracks into this image; those that fail are dropped. The image has one size over
+  /// the life of the tracker; another size drops all tracks and starts over.
+  const TrackedFrame& track(const ImageView& image);
+
+  /// Detects corners in the image tracked last, where no track is near, and starts tracks there.
+  /// Returns the new ones (pixel == reference_pixel).
+  std::vector<Track> detect();
+
+  /// Ends tracks, such as those that an estimator found to be outliers. Unknown ids are ignored.
+  void drop(const std::vector<std::int64_t>& ids);
+
+  /// Ends all tracks.
+  void reset();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace camera_self_calibration
