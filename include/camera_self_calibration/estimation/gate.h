@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "camera_self_calibration/estimation/problem.h"
+
+namespace camera_self_calibration {
+
+/// Which tracks do not fit: per landmark, the sum of the squared whitened residuals against the
+/// chi-square quantile of its degrees of freedom (2 per observation, less its own parameters), and
+/// every single residual against that of 2; sigmas multiplied by the block's scale. Landmarks that
+/// cannot be predicted do not fit either. Returns indices into the segment's landmarks.
+std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
+                         double exceed_probability = 1e-3);
+
+/// Removes landmarks and their observations; indices of the others close up. `fixed_landmark`
+/// of blocks made before no longer holds.
+void removeLandmarks(const std::vector<int>& landmarks, Segment* segment);
+
+/// Robust residual scale of a segment's fit: median of the squared whitened residuals over its
+/// expectation for right sigmas, square-rooted; with the loss of degrees of freedom accounted for.
+double medianResidualScale(const SegmentBlock& block, const Camera& camera);
+
+}  // namespace camera_self_calibration

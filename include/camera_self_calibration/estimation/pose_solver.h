@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/geometry/rigid3.h"
+
+namespace camera_self_calibration {
+
+/// A pixel of a point whose place is known up to the map's scale: homogeneous, in the world,
+/// `direction + inverse_depth * (origin - camera position)`.
+struct PointView {
+  Eigen::Vector3d direction;  ///< Unit ray in the world.
+  Eigen::Vector3d origin;     ///< Position of the reference keyframe [map unit].
+  double inverse_depth = 0.0;
+  Eigen::Vector2d pixel;
+  double sigma = 1.0;  ///< [px]
+};
+
+struct PoseEstimate {
+  bool usable = false;
+  Rigid3 world_from_camera;
+  /// Of (translation in the world, rotation in the camera), given the points and intrinsics.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  std::vector<char> inlier;  ///< Per view: within 3.5 scaled sigma, at least 1 px.
+  int inliers = 0;
+  double residual_scale = 1.0;  ///< Robust, of the inliers' whitened residuals.
+};
+
+/// The pose alone, points and intrinsics held (eq. 2 with Huber weights), from `guess`.
+PoseEstimate solvePose(const Camera& camera, const std::vector<PointView>& views,
+                       const Rigid3& guess, double huber = 2.0, int max_iterations = 10);
+
+}  // namespace camera_self_calibration

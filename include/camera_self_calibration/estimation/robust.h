@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cmath>
+
+namespace camera_self_calibration {
+
+/// Huber's function of the whitened residual's norm: `norm^2 / 2` up to the threshold, linear
+/// beyond it. A threshold <= 0 means none.
+inline double huberCost(double norm, double threshold) {
+  if (threshold <= 0.0 || norm <= threshold) return 0.5 * norm * norm;
+  return threshold * (norm - 0.5 * threshold);
+}
+
+/// Weight of the squared residual in iteratively reweighted least squares.
+inline double huberWeight(double norm, double threshold) {
+  return threshold <= 0.0 || norm <= threshold ? 1.0 : threshold / norm;
+}
+
+/// What an observation costs that cannot be predicted (its point lies behind the camera, say): as
+/// much as a residual of this many pixels, so that no step gains by losing points.
+constexpr double kUnpredictableResidualPx = 50.0;
+
+/// Upper quantile of the chi-square distribution: the value exceeded with this probability.
+
+double chiSquareQuantile(int degrees_of_freedom, double exceed_probability);
+
+/// Probability that a chi-square variable exceeds `value` (regularised incomplete gamma function).
+double chiSquareExceedance(double value, int degrees_of_freedom);
+
+}  // namespace camera_self_calibration

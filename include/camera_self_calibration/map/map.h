@@ -1,0 +1,81 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/map/segment.h"
+#include "camera_self_calibration/tracking/track.h"
+
+namespace camera_self_calibration {
+
+/// The newest keyframes and the landmarks seen in them: bounded, whatever the length of the run.
+/// Depths are kept in an anchor keyframe, along the ray of the pixel seen there, so that nothing
+/// depends on the intrinsics but the poses and depths themselves.
+class Map {
+ public:
+  explicit Map(int max_keyframes) : max_keyframes_(max_keyframes) {}
+
+  struct Sighting {
+    std::int64_t keyframe_id = 0;
+    Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+    double sigma = 1.0;  ///< [px]; 0 for the reference pixel, which is exact.
+  };
+  struct Point {
+    std::int64_t reference_id = 0;    ///< Keyframe in which the track was detected.
+    Eigen::Vector2d reference_pixel = Eigen::Vector2d::Zero();
+    std::int64_t anchor_id = 0;       ///< Keyframe that inverse_depth refers to.
+    double inverse_depth = 1.0;       ///< [1/map unit]
+    std::vector<Sighting> sightings;  ///< In the order of time; the reference's is the first.
+  };
+
+  /// Adds a keyframe with an id greater than all before. Tracks not seen before start a landmark
+  /// (detected in this keyframe if pixel == reference_pixel) at `new_inverse_depth`. The oldest
+  /// keyframe goes when there are too many; depths that referred to it move on to the next sighting.
+  void addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks,
+                   double new_inverse_depth, const Camera& camera);
+
+  /// Removes landmarks altogether.
+  void removePoints(const std::vector<std::int64_t>& track_ids);
+  void clear();
+
+  const std::deque<Keyframe>& keyframes() const { return keyframes_; }
+  const std::map<std::int64_t, Point>& points() const { return points_; }
+  /// Null if unknown.
+  const Keyframe* keyframe(std::int64_t id) const;
+
+  /// The keyframes from index `first` on as a segment of their own: landmarks detected before it are
+  /// inherited. Landmarks with fewer than two sightings in it are left out.
+  Segment segmentFrom(int first, const Camera& camera) const;
+
+  /// The last `count` keyframes.
+  Segment lastKeyframes(int count, const Camera& camera) const;
+
+  /// Takes over poses, generations and depths of a segment made by this map (after solving).
+  void update(const Segment& segment);
+
+  /// Median inverse depth of the points seen in a keyframe, in its own frame; 1 without any.
+  double medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) const;
+
+ private:
+  void removeOldest(const Camera& camera);
+  std::optional<Landmark> landmarkFrom(std::int64_t track_id, const Point& point,
+                                       const Sighting& first, const Camera& camera) const;
+
+  int max_keyframes_;
+  std::deque<Keyframe> keyframes_;
+  std::map<std::int64_t, Point> points_;  // by track id: ordered, so that results are repeatable
+};
+
+/// The pixel at which a point was seen in a keyframe; null if it was not.
+const Map::Sighting* sightingIn(const Map::Point& point, std::int64_t keyframe_id);
+
+/// Inverse depth of a point along its own ray in another keyframe: `rho' = rho / |x|` with x as in
+/// eq. 1.
+double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector3d& ray,
+                            double inverse_depth, const Rigid3& world_from_other);
+
+}  // namespace camera_self_calibration

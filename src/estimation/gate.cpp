@@ -1,0 +1,101 @@
+#include "camera_self_calibration/estimation/gate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "camera_self_calibration/estimation/observation_model.h"
+#include "camera_self_calibration/estimation/robust.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Squared whitened residual of each observation; infinite where it cannot be predicted.
+std::vector<double> squaredResiduals(const SegmentBlock& block, const Camera& camera) {
+  const Segment& segment = *block.segment;
+  std::vector<PoseMatrices> poses;
+  for (const Keyframe& keyframe : segment.keyframes) poses.emplace_back(keyframe.world_from_camera);
+  std::vector<double> squares(segment.observations.size(),
+                              std::numeric_limits<double>::infinity());
+  for (std::size_t o = 0; o < squares.size(); ++o) {
+    const Observation& observation = segment.observations[o];
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    Eigen::Vector3d ray;
+    Eigen::Vector2d prediction;
+    if (!landmarkRay(camera, landmark, &ray, nullptr) ||
+        !predictPixel(camera, poses[landmark.reference], poses[observation.keyframe], ray,
+                      landmark.inverse_depth, false, &prediction, nullptr)) {
+      continue;
+    }
+    const double sigma = observation.sigma * block.sigma_scale;
+    squares[o] = (observation.pixel - prediction).squaredNorm() / (sigma * sigma);
+  }
+  return squares;
+}
+
+}  // namespace
+
+std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
+                         double exceed_probability) {
+  const Segment& segment = *block.segment;
+  const std::vector<double> squares = squaredResiduals(block, camera);
+  std::vector<double> sum(segment.landmarks.size(), 0.0);
+  std::vector<double> largest(segment.landmarks.size(), 0.0);
+  std::vector<int> count(segment.landmarks.size(), 0);
+  for (std::size_t o = 0; o < squares.size(); ++o) {
+    const int l = segment.observations[o].landmark;
+    sum[l] += squares[o];
+    largest[l] = std::max(largest[l], squares[o]);
+    ++count[l];
+  }
+  std::vector<double> quantile;  // by degrees of freedom
+  std::vector<int> result;
+  const double single = chiSquareQuantile(2, 0.01 * exceed_probability);
+  for (std::size_t l = 0; l < sum.size(); ++l) {
+    if (count[l] == 0) continue;
+    const int freedom = std::max(1, 2 * count[l] - (segment.landmarks[l].anchored ? 1 : 3));
+    while (static_cast<int>(quantile.size()) <= freedom) {
+      const int next = static_cast<int>(quantile.size());
+      quantile.push_back(next == 0 ? 0.0 : chiSquareQuantile(next, exceed_probability));
+    }
+    if (!(sum[l] <= quantile[freedom]) || largest[l] > single) {
+      result.push_back(static_cast<int>(l));
+    }
+  }
+  return result;
+}
+
+void removeLandmarks(const std::vector<int>& landmarks, Segment* segment) {
+  std::vector<int> new_index(segment->landmarks.size(), 0);
+  for (const int l : landmarks) new_index[l] = -1;
+  int next = 0;
+  for (std::size_t l = 0; l < new_index.size(); ++l) {
+    if (new_index[l] < 0) continue;
+    segment->landmarks[next] = segment->landmarks[l];
+    new_index[l] = next++;
+  }
+  segment->landmarks.resize(next);
+  auto& observations = segment->observations;
+  observations.erase(
+      std::remove_if(observations.begin(), observations.end(),
+                     [&](const Observation& o) { return new_index[o.landmark] < 0; }),
+      observations.end());
+  for (Observation& observation : observations) {
+    observation.landmark = new_index[observation.landmark];
+  }
+}
+
+double medianResidualScale(const SegmentBlock& block, const Camera& camera) {
+  std::vector<double> squares = squaredResiduals(block, camera);
+  if (squares.empty()) return 1.0;
+  const auto middle = squares.begin() + squares.size() / 2;
+  std::nth_element(squares.begin(), middle, squares.end());
+  const double residuals = 2.0 * squares.size();
+  double variables = 6.0 * (block.segment->keyframes.size() - block.fixed_keyframes);
+  for (const Landmark& landmark : block.segment->landmarks) variables += landmark.anchored ? 1 : 3;
+  const double freedom = std::max(0.1, (residuals - variables) / residuals);
+  constexpr double kMedianOfChiSquare2 = 1.3862943611198906;  // 2 ln 2
+  return std::sqrt(*middle / kMedianOfChiSquare2 / freedom);
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,54 @@
+#include "camera_self_calibration/estimation/gauge.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "camera_self_calibration/estimation/linear_segment.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// rho^2 H_rhorho per landmark: (rho / conditional sigma of rho)^2.
+std::vector<double> depthInformation(const Segment& segment, const Camera& camera) {
+  std::vector<double> information(segment.landmarks.size(), 0.0);
+  const int keyframes = static_cast<int>(segment.keyframes.size());
+  std::vector<PoseMatrices> poses;
+  for (const Keyframe& keyframe : segment.keyframes) poses.emplace_back(keyframe.world_from_camera);
+  for (const Observation& observation : segment.observations) {
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    Eigen::Vector3d ray;
+    Eigen::Vector2d pixel;
+    PredictionJacobians jacobians;
+    if (observation.keyframe >= keyframes || !landmarkRay(camera, landmark, &ray, nullptr) ||
+        !predictPixel(camera, poses[landmark.reference], poses[observation.keyframe], ray,
+                      landmark.inverse_depth, false, &pixel, &jacobians)) {
+      continue;
+    }
+    information[observation.landmark] +=
+        (landmark.inverse_depth * jacobians.inverse_depth / observation.sigma).squaredNorm();
+  }
+  return information;
+}
+
+}  // namespace
+
+SegmentBlock freeBlock(Segment* segment, const Camera& camera) {
+  SegmentBlock block;
+  block.segment = segment;
+  std::vector<int> counts(segment->landmarks.size(), 0);
+  for (const Observation& observation : segment->observations) ++counts[observation.landmark];
+  const std::vector<double> information = depthInformation(*segment, camera);
+  int most = 1;
+  for (const int count : counts) most = std::max(most, count);
+  double best = -1.0;
+  for (std::size_t l = 0; l < counts.size(); ++l) {
+    // An inherited landmark has one observation more for the same number of views.
+    const int views = counts[l] - (segment->landmarks[l].anchored ? 0 : 1);
+    if (views + 1 < most || information[l] <= best) continue;
+    best = information[l];
+    block.fixed_landmark = static_cast<int>(l);
+  }
+  return block;
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,161 @@
+#include "camera_self_calibration/map/map.h"
+
+#include <algorithm>
+
+namespace camera_self_calibration {
+
+const Map::Sighting* sightingIn(const Map::Point& point, std::int64_t keyframe_id) {
+  for (const Map::Sighting& sighting : point.sightings) {
+    if (sighting.keyframe_id == keyframe_id) return &sighting;
+  }
+  return nullptr;
+}
+
+double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector3d& ray,
+                            double inverse_depth, const Rigid3& world_from_other) {
+  const Eigen::Vector3d offset = world_from_anchor.translation - world_from_other.translation;
+  const Eigen::Vector3d point = world_from_anchor.rotation * ray + inverse_depth * offset;
+  return inverse_depth / std::max(point.norm(), 1e-9);
+}
+
+void Map::addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks,
+                      double new_inverse_depth, const Camera& camera) {
+  keyframes_.push_back(keyframe);
+  for (const Track& track : tracks) {
+    const auto [entry, is_new] = points_.try_emplace(track.id);
+    Point& point = entry->second;
+    if (is_new) {
+      const bool detected_here = track.pixel == track.reference_pixel;
+      point.reference_id = detected_here ? keyframe.id : -1;
+      point.reference_pixel = track.reference_pixel;
+      point.anchor_id = keyframe.id;
+      point.inverse_depth = new_inverse_depth;
+    }
+    point.sightings.push_back({keyframe.id, track.pixel, track.sigma});
+  }
+  while (static_cast<int>(keyframes_.size()) > max_keyframes_) removeOldest(camera);
+}
+
+void Map::removeOldest(const Camera& camera) {
+  const Keyframe oldest = keyframes_.front();
+  keyframes_.pop_front();
+  for (auto entry = points_.begin(); entry != points_.end();) {
+    Point& point = entry->second;
+    auto& sightings = point.sightings;
+    if (!sightings.empty() && sightings.front().keyframe_id == oldest.id) {
+      const Eigen::Vector2d anchor_pixel = sightings.front().pixel;
+      sightings.erase(sightings.begin());
+      if (point.anchor_id == oldest.id && !sightings.empty()) {
+        const Keyframe& next = *keyframe(sightings.front().keyframe_id);
+        point.anchor_id = next.id;
+        if (const auto ray = camera.unproject(anchor_pixel)) {
+          point.inverse_depth = transferInverseDepth(
+              oldest.world_from_camera, *ray, point.inverse_depth, next.world_from_camera);
+        }
+      }
+    }
+    entry = sightings.empty() ? points_.erase(entry) : std::next(entry);
+  }
+}
+
+void Map::removePoints(const std::vector<std::int64_t>& track_ids) {
+  for (const std::int64_t id : track_ids) points_.erase(id);
+}
+
+void Map::clear() {
+  keyframes_.clear();
+  points_.clear();
+}
+
+const Keyframe* Map::keyframe(std::int64_t id) const {
+  const auto found =
+      std::lower_bound(keyframes_.begin(), keyframes_.end(), id,
+                       [](const Keyframe& keyframe, std::int64_t key) { return keyframe.id < key; });
+  return found != keyframes_.end() && found->id == id ? &*found : nullptr;
+}
+
+Segment Map::lastKeyframes(int count, const Camera& camera) const {
+  return segmentFrom(std::max(0, static_cast<int>(keyframes_.size()) - count), camera);
+}
+
+Segment Map::segmentFrom(int first, const Camera& camera) const {
+  Segment segment;
+  if (first >= static_cast<int>(keyframes_.size())) return segment;
+  segment.keyframes.assign(keyframes_.begin() + first, keyframes_.end());
+  segment.sequence = segment.keyframes.back().id;
+  std::map<std::int64_t, int> index;  // keyframe id to index in the segment
+  for (std::size_t k = 0; k < segment.keyframes.size(); ++k) {
+    index[segment.keyframes[k].id] = static_cast<int>(k);
+  }
+  for (const auto& [track_id, point] : points_) {
+    const auto begin = std::find_if(
+        point.sightings.begin(), point.sightings.end(),
+        [&](const Sighting& s) { return s.keyframe_id >= segment.keyframes.front().id; });
+    if (point.sightings.end() - begin < 2) continue;
+    if (const auto landmark = landmarkFrom(track_id, point, *begin, camera)) {
+      const int landmark_index = static_cast<int>(segment.landmarks.size());
+      segment.landmarks.push_back(*landmark);
+      segment.landmarks.back().reference = index[begin->keyframe_id];
+      for (auto s = begin + (landmark->anchored ? 1 : 0); s != point.sightings.end(); ++s) {
+        segment.observations.push_back({landmark_index, index[s->keyframe_id], s->pixel, s->sigma});
+      }
+    }
+  }
+  return segment;
+}
+
+std::optional<Landmark> Map::landmarkFrom(std::int64_t track_id, const Point& point,
+                                          const Sighting& first, const Camera& camera) const {
+  const auto first_ray = camera.unproject(first.pixel);
+  const Keyframe* anchor = keyframe(point.anchor_id);
+  const Sighting* anchor_sighting = sightingIn(point, point.anchor_id);
+  if (!first_ray || anchor == nullptr || anchor_sighting == nullptr) return std::nullopt;
+  const auto anchor_ray = camera.unproject(anchor_sighting->pixel);
+  if (!anchor_ray) return std::nullopt;
+  Landmark landmark;
+  landmark.track_id = track_id;
+  landmark.anchored = first.keyframe_id == point.reference_id;
+  landmark.reference_pixel = point.reference_pixel;
+  landmark.bearing = *first_ray;
+  landmark.inverse_depth =
+      transferInverseDepth(anchor->world_from_camera, *anchor_ray, point.inverse_depth,
+                           keyframe(first.keyframe_id)->world_from_camera);
+  return landmark;
+}
+
+void Map::update(const Segment& segment) {
+  for (const Keyframe& solved : segment.keyframes) {
+    for (Keyframe& keyframe : keyframes_) {
+      if (keyframe.id == solved.id) keyframe = solved;
+    }
+  }
+  for (const Landmark& landmark : segment.landmarks) {
+    const auto found = points_.find(landmark.track_id);
+    if (found == points_.end()) continue;
+    found->second.anchor_id = segment.keyframes[landmark.reference].id;
+    found->second.inverse_depth = landmark.inverse_depth;
+  }
+}
+
+double Map::medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) const {
+  std::vector<double> depths;
+  const Keyframe* other = keyframe(keyframe_id);
+  if (other == nullptr) return 1.0;
+  for (const auto& [track_id, point] : points_) {
+    const Keyframe* anchor = keyframe(point.anchor_id);
+    const Sighting* sighting = sightingIn(point, point.anchor_id);
+    if (anchor == nullptr || sighting == nullptr || sightingIn(point, keyframe_id) == nullptr) {
+      continue;
+    }
+    if (const auto ray = camera.unproject(sighting->pixel)) {
+      depths.push_back(transferInverseDepth(anchor->world_from_camera, *ray, point.inverse_depth,
+                                            other->world_from_camera));
+    }
+  }
+  if (depths.empty()) return 1.0;
+  const auto middle = depths.begin() + depths.size() / 2;
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle > 0.0 ? *middle : 1.0;
+}
+
+}  // namespace camera_self_calibration
