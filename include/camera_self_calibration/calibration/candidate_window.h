@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/map/segment.h"
+
+namespace camera_self_calibration {
+
+/// What one stretch of the trajectory, by itself, tells of the intrinsics.
+struct Candidate {
+  Segment segment;        ///< Solved, outliers removed.
+  Camera camera;          ///< Its own estimate.
+  double sigma_scale = 1.0;       ///< By which its observations' sigmas were multiplied.
+  IntrinsicsMatrix information;   ///< Marginal, with the scaled sigmas; n_c x n_c.
+  double entropy = 0.0;           ///< Normalised [nats].
+  PixelError uncertainty;         ///< [px]
+  double residual_scale = 1.0;    ///< Against the tracker's own sigma.
+  bool well_posed = false;
+  std::string reason;  ///< Why it is not well posed, for people.
+};
+
+struct CandidateOptions {
+  int min_keyframes = 5;
+  int min_landmarks = 20;
+  double min_scaled_eigenvalue = 1e-7;  ///< Of the marginal information with a unit diagonal.
+  double max_pixel_uncertainty_share = 0.15;  ///< rms over image width, above which it is ill posed.
+  double max_residual_scale = 6.0;      ///< Against the tracker's own sigma.
+};
+
+/// Scores a segment (section II-B): intrinsics, poses and landmarks are estimated from it alone,
+/// starting from `start`, conditioning on nothing, and the intrinsics' marginal gives the entropy.
+Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segment,
+                            const Camera& start);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/map/segment.h"
+
+namespace camera_self_calibration {
+
+/// The first `keyframes` keyframes of a segment, with the landmarks that have at least `min_views`
+/// observations there (the reference keyframe of an anchored one not counted).
+/// `landmark_index` tells for each landmark its index in the whole segment.
+Segment prefixOf(const Segment& segment, int keyframes, int min_views,
+                 std::vector<int>* landmark_index);
+
+/// Takes poses and landmarks of a prefix back into the whole segment.
+void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, Segment* segment);
+
+/// One step of growing a solution: keyframe `k` starts at the pose of the one before, landmarks that
+/// appear there at the median depth; its pose is solved alone, then all keyframes up to it jointly,
+/// the intrinsics among them if `free_intrinsics`. Depths that run away (not positive, or
+/// `max_inverse_depth_ratio` times the median) start over. Returns the robust cost.
+double growByKeyframe(int k, bool free_intrinsics, double max_inverse_depth_ratio, Segment* segment,
+                      Camera* camera);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "camera_self_calibration/calibration/candidate_window.h"
+#include "camera_self_calibration/camera/camera.h"
+
+namespace camera_self_calibration {
+
+/// The joint estimate of the intrinsics over all segments of the queue.
+struct QueueSolution {
+  bool usable = false;
+  Camera camera;
+  IntrinsicsMatrix information;  ///< Sum of the segments' marginals at the joint optimum.
+  int iterations = 0;
+};
+
+/// Holds the queue's segments, solved, and re-estimates the intrinsics jointly when they change:
+/// eq. 3 over all segments, which share nothing else; each in its own gauge, weighted by its own
+/// residual scale.
+class QueueEstimate {
+ public:
+  explicit QueueEstimate(int threads) : threads_(threads) {}
+
+  void add(const Candidate& candidate) { candidates_.push_back(candidate); }
+  void remove(const std::vector<std::int64_t>& sequences);
+  void clear() { candidates_.clear(); }
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+
+  /// Starts from the segments' present states and `start`.
+  QueueSolution solve(const Camera& start);
+
+ private:
+  int threads_;
+  std::vector<Candidate> candidates_;
+};
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/pose_solver.h"
+#include "camera_self_calibration/map/map.h"
+#include "camera_self_calibration/tracking/track.h"
+
+namespace camera_self_calibration {
+
+struct SlidingWindowOptions {
+  int active_keyframes = 10;
+  int conditioning_keyframes = 10;
+  int map_keyframes = 40;             ///< Kept in all, at least active + conditioning.
+  double max_generation_distance_px = 0.5;  ///< Between intrinsics, for conditioning keyframes.
+};
+
+/// Where the camera is, with the intrinsics held (section II-C): the pose of each frame against the
+/// map, and at keyframes the poses and landmarks of the active window, conditioned on older
+/// keyframes that see the same landmarks.
+class SlidingWindow {
+ public:
+  SlidingWindow(const SlidingWindowOptions& options, const Camera& camera);
+
+  /// Adopts a new estimate of the intrinsics: re-solves the active window unconditioned, keeping the
+  /// newest pose and the median depth there, so that neither pose nor scale jumps. Keyframes before
+  /// it whose intrinsics differ by more than the option's distance condition no more.
+  void adopt(const Camera& camera, std::uint64_t generation);
+
+  const Camera& camera() const { return camera_; }
+  std::uint64_t generation() const { return generation_; }
+  const Map& map() const { return map_; }
+
+  /// Replaces poses and depths by those of a solution of the same keyframes and tracks, such as the
+  /// startup batch's, moved and scaled to keep the newest pose and the median depth.
+  void reseed(const Segment& solution);
+
+  /// The pose of a frame from the map's points alone; `guess` should be near.
+  PoseEstimate localize(const TrackedFrame& frame, const Rigid3& guess) const;
+
+  /// Adds a keyframe (its pose a first guess; generation is set here), with the frame's tracks and
+  /// those that start in it, and solves the window. Returns the tracks that do not fit; they are out
+  /// of the map.
+  std::vector<std::int64_t> addKeyframe(Keyframe keyframe, const std::vector<Track>& tracks);
+
+  /// Newest keyframe's pose; identity without any.
+  Rigid3 newestPose() const;
+
+  /// Forgets the map, keeps the camera.
+  void clear() { map_.clear(); }
+
+ private:
+  int conditioningCount() const;
+  void keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth, Segment* segment) const;
+  std::vector<std::int64_t> solveWindow();
+
+  SlidingWindowOptions options_;
+  Camera camera_;
+  std::uint64_t generation_ = 0;
+  std::map<std::uint64_t, Camera> generations_;  // of the keyframes in the map
+  Map map_;
+};
+
+}  // namespace camera_self_calibration

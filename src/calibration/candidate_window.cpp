@@ -1,0 +1,75 @@
+#include "camera_self_calibration/calibration/candidate_window.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "camera_self_calibration/calibration/segment_fit.h"
+#include "camera_self_calibration/estimation/entropy.h"
+#include "camera_self_calibration/estimation/marginal.h"
+
+namespace camera_self_calibration {
+namespace {
+
+std::string format(const char* text, double value, double limit) {
+  char buffer[200];
+  std::snprintf(buffer, sizeof(buffer), text, value, limit);
+  return buffer;
+}
+
+std::string illPosed(const CandidateOptions& options, const Candidate& candidate) {
+  const auto landmarks = static_cast<double>(candidate.segment.landmarks.size());
+  if (landmarks < options.min_landmarks) {
+    return format("only %.0f landmarks fit, %.0f are needed", landmarks, options.min_landmarks);
+  }
+  if (candidate.residual_scale > options.max_residual_scale) {
+    return format("residuals are %.1f times the tracker's sigma, at most %.1f are believed",
+                  candidate.residual_scale, options.max_residual_scale);
+  }
+  const double smallest = scaledEigenvalues(candidate.information)(0);
+  if (!(smallest > options.min_scaled_eigenvalue)) {
+    return format("the intrinsics are not observable (scaled eigenvalue %.1e, %.1e is needed)",
+                  smallest, options.min_scaled_eigenvalue);
+  }
+  const double limit = options.max_pixel_uncertainty_share * candidate.camera.width();
+  if (!(candidate.uncertainty.rms < limit)) {
+    return format("the intrinsics are too uncertain (%.1f px rms, below %.1f is needed)",
+                  candidate.uncertainty.rms, limit);
+  }
+  if (!std::isfinite(candidate.entropy)) return "the covariance is not positive definite";
+  return "";
+}
+
+}  // namespace
+
+Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segment,
+                            const Camera& start) {
+  Candidate candidate;
+  candidate.segment = segment;
+  candidate.camera = start;
+  if (static_cast<int>(segment.keyframes.size()) < options.min_keyframes) {
+    candidate.reason = format("%.0f keyframes, %.0f are needed",
+                              static_cast<double>(segment.keyframes.size()), options.min_keyframes);
+    return candidate;
+  }
+  const SegmentFit fit = fitSegment(SegmentFitOptions(), &candidate.segment, &candidate.camera);
+  if (!fit.usable) {
+    candidate.reason = "no solution was found";
+    return candidate;
+  }
+  candidate.residual_scale = fit.residual_scale;
+  candidate.sigma_scale = std::max(1.0, fit.residual_scale);
+  candidate.information =
+      fit.marginal.information / (candidate.sigma_scale * candidate.sigma_scale);
+  if (const auto covariance = covarianceFromInformation(candidate.information)) {
+    candidate.entropy = entropy(candidate.camera, *covariance);
+    candidate.uncertainty = pixelUncertainty(candidate.camera, *covariance);
+  } else {
+    candidate.entropy = candidate.uncertainty.rms = candidate.uncertainty.max = INFINITY;
+  }
+  candidate.reason = illPosed(options, candidate);
+  candidate.well_posed = candidate.reason.empty();
+  return candidate;
+}
+
+}  // namespace camera_self_calibration

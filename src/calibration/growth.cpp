@@ -1,0 +1,133 @@
+#include "camera_self_calibration/calibration/growth.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "camera_self_calibration/estimation/gate.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/pose_solver.h"
+#include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/map/map.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kHuber = 2.0;
+
+// The observations of keyframe k of landmarks that earlier keyframes determine.
+std::vector<PointView> viewsOf(const Segment& segment, int k, const Camera& camera) {
+  std::vector<PointView> views;
+  for (const Observation& observation : segment.observations) {
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    if (observation.keyframe != k || landmark.reference >= k) continue;
+    Eigen::Vector3d ray;
+    if (!landmarkRay(camera, landmark, &ray, nullptr)) continue;
+    const Rigid3& reference = segment.keyframes[landmark.reference].world_from_camera;
+    views.push_back({reference.rotation * ray, reference.translation, landmark.inverse_depth,
+                     observation.pixel, observation.sigma});
+  }
+  return views;
+}
+
+double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
+  std::vector<double> depths;
+  for (const Observation& observation : segment.observations) {
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    Eigen::Vector3d ray;
+    if (observation.keyframe != k || landmark.reference >= k ||
+        !landmarkRay(camera, landmark, &ray, nullptr)) {
+      continue;
+    }
+    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
+                                          ray, landmark.inverse_depth,
+                                          segment.keyframes[k].world_from_camera));
+  }
+  if (depths.empty()) return 1.0;
+  const auto middle = depths.begin() + depths.size() / 2;
+  std::nth_element(depths.begin(), middle, depths.end());
+  return *middle > 0.0 ? *middle : 1.0;
+}
+
+void restartRunawayDepths(double max_ratio, Segment* segment) {
+  std::vector<double> depths;
+  for (const Landmark& landmark : segment->landmarks) depths.push_back(landmark.inverse_depth);
+  if (depths.empty()) return;
+  const auto middle = depths.begin() + depths.size() / 2;
+  std::nth_element(depths.begin(), middle, depths.end());
+  const double median = *middle > 0.0 ? *middle : 1.0;
+  for (Landmark& landmark : segment->landmarks) {
+    if (!(landmark.inverse_depth > 0.0) || landmark.inverse_depth > max_ratio * median) {
+      landmark.inverse_depth = median;
+    }
+  }
+}
+
+}  // namespace
+
+Segment prefixOf(const Segment& segment, int keyframes, int min_views,
+                 std::vector<int>* landmark_index) {
+  Segment prefix;
+  prefix.sequence = segment.sequence;
+  prefix.keyframes.assign(segment.keyframes.begin(), segment.keyframes.begin() + keyframes);
+  std::vector<int> views(segment.landmarks.size(), 0);
+  for (const Observation& observation : segment.observations) {
+    views[observation.landmark] += observation.keyframe < keyframes;
+  }
+  std::vector<int> new_index(segment.landmarks.size(), -1);
+  landmark_index->clear();
+  for (std::size_t l = 0; l < segment.landmarks.size(); ++l) {
+    const int needed = min_views + (segment.landmarks[l].anchored ? 0 : 1);
+    if (segment.landmarks[l].reference >= keyframes || views[l] < needed) continue;
+    new_index[l] = static_cast<int>(prefix.landmarks.size());
+    prefix.landmarks.push_back(segment.landmarks[l]);
+    landmark_index->push_back(static_cast<int>(l));
+  }
+  for (Observation observation : segment.observations) {
+    if (observation.keyframe >= keyframes || new_index[observation.landmark] < 0) continue;
+    observation.landmark = new_index[observation.landmark];
+    prefix.observations.push_back(observation);
+  }
+  return prefix;
+}
+
+void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, Segment* segment) {
+  std::copy(prefix.keyframes.begin(), prefix.keyframes.end(), segment->keyframes.begin());
+  for (std::size_t l = 0; l < landmark_index.size(); ++l) {
+    segment->landmarks[landmark_index[l]] = prefix.landmarks[l];
+  }
+}
+
+double growByKeyframe(int k, bool free_intrinsics, double max_inverse_depth_ratio, Segment* segment,
+                      Camera* camera) {
+  auto& keyframes = segment->keyframes;
+  keyframes[k].world_from_camera = keyframes[k - 1].world_from_camera;
+  const PoseEstimate pose = solvePose(*camera, viewsOf(*segment, k, *camera),
+                                      keyframes[k].world_from_camera, kHuber, 20);
+  keyframes[k].world_from_camera = pose.world_from_camera;
+  const double depth = medianDepthAt(*segment, k, *camera);
+  for (Landmark& landmark : segment->landmarks) {
+    if (landmark.reference == k) landmark.inverse_depth = depth;
+  }
+
+  std::vector<int> landmark_index;
+  Segment prefix = prefixOf(*segment, k + 1, 1, &landmark_index);
+  if (prefix.observations.empty()) return std::numeric_limits<double>::infinity();
+  SolverOptions options;
+  options.huber = kHuber;
+  options.max_iterations = 12;
+  options.step_tolerance = 1e-2;
+  options.cost_tolerance = 1e-4;
+  Problem problem{camera, free_intrinsics, {freeBlock(&prefix, *camera)}};
+  // Far from the solution all residuals are large: the sigma follows them, so that the robust weight
+  // still tells outliers from the rest.
+  SegmentBlock& block = problem.blocks.front();
+  block.sigma_scale = std::max(1.0, medianResidualScale(block, *camera));
+  solve(problem, options);
+  restartRunawayDepths(max_inverse_depth_ratio, &prefix);
+  adoptPrefix(prefix, landmark_index, segment);
+  block.sigma_scale = 1.0;
+  return robustCost(block, *camera, kHuber);
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,42 @@
+#include "camera_self_calibration/calibration/queue_estimate.h"
+
+#include <algorithm>
+
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/solver.h"
+
+namespace camera_self_calibration {
+
+void QueueEstimate::remove(const std::vector<std::int64_t>& sequences) {
+  const auto leaves = [&](const Candidate& candidate) {
+    return std::find(sequences.begin(), sequences.end(), candidate.segment.sequence) !=
+           sequences.end();
+  };
+  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), leaves),
+                    candidates_.end());
+}
+
+QueueSolution QueueEstimate::solve(const Camera& start) {
+  QueueSolution solution;
+  solution.camera = start;
+  if (candidates_.empty()) return solution;
+  Problem problem;
+  problem.camera = &solution.camera;
+  for (Candidate& candidate : candidates_) {
+    problem.blocks.push_back(freeBlock(&candidate.segment, start));
+    problem.blocks.back().sigma_scale = candidate.sigma_scale;
+  }
+  SolverOptions options;
+  options.threads = threads_;
+  options.max_iterations = 20;
+  options.step_tolerance = 1e-3;
+  options.cost_tolerance = 1e-7;
+  const SolveSummary summary = camera_self_calibration::solve(problem, options);
+  solution.usable = summary.usable;
+  solution.iterations = summary.iterations;
+  solution.information = marginalize(problem, options.huber, threads_).information;
+  return solution;
+}
+
+}  // namespace camera_self_calibration

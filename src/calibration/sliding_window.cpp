@@ -1,0 +1,192 @@
+#include "camera_self_calibration/calibration/sliding_window.h"
+
+#include <algorithm>
+#include <set>
+
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/estimation/gate.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/solver.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Baseline over depth below which the conditioning poses do not fix the scale.
+constexpr double kSeparatedPoses = 1e-2;
+
+SolverOptions windowSolver() {
+  SolverOptions options;
+  options.max_iterations = 8;
+  options.step_tolerance = 1e-2;
+  options.cost_tolerance = 1e-4;
+  return options;
+}
+
+double median(std::vector<double> values, double fallback) {
+  if (values.empty()) return fallback;
+  const auto middle = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+SlidingWindow::SlidingWindow(const SlidingWindowOptions& options, const Camera& camera)
+    : options_(options), camera_(camera), map_(options.map_keyframes) {
+  generations_[generation_] = camera_;
+}
+
+Rigid3 SlidingWindow::newestPose() const {
+  return map_.keyframes().empty() ? Rigid3() : map_.keyframes().back().world_from_camera;
+}
+
+// Median inverse depth, in the segment's last keyframe, of the landmarks of the segment.
+static double newestInverseDepth(const Segment& segment) {
+  std::vector<double> depths;
+  const Rigid3& newest = segment.keyframes.back().world_from_camera;
+  for (const Landmark& landmark : segment.landmarks) {
+    depths.push_back(transferInverseDepth(
+        segment.keyframes[landmark.reference].world_from_camera, landmark.bearing,
+        landmark.inverse_depth, newest));
+  }
+  const double value = median(std::move(depths), 1.0);
+  return value > 0.0 ? value : 1.0;
+}
+
+void SlidingWindow::keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth,
+                                           Segment* segment) const {
+  const Rigid3 solved = segment->keyframes.back().world_from_camera;
+  const double scale = newestInverseDepth(*segment) / inverse_depth;
+  for (Keyframe& keyframe : segment->keyframes) {
+    Rigid3 newest_from_camera = solved.inverse() * keyframe.world_from_camera;
+    newest_from_camera.translation *= scale;
+    keyframe.world_from_camera = pose * newest_from_camera;
+  }
+  for (Landmark& landmark : segment->landmarks) landmark.inverse_depth /= scale;
+}
+
+void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation) {
+  camera_ = camera;
+  generation_ = generation;
+  std::set<std::uint64_t> used;
+  for (const Keyframe& keyframe : map_.keyframes()) used.insert(keyframe.calibration_generation);
+  for (auto entry = generations_.begin(); entry != generations_.end();) {
+    entry = used.count(entry->first) == 0 ? generations_.erase(entry) : std::next(entry);
+  }
+  generations_[generation_] = camera_;
+  if (map_.keyframes().size() < 2) return;
+  Segment segment = map_.lastKeyframes(options_.active_keyframes, camera_);
+  if (segment.landmarks.empty()) return;
+  const Rigid3 pose = newestPose();
+  const double inverse_depth = newestInverseDepth(segment);
+  Problem problem{&camera_, false, {freeBlock(&segment, camera_)}};
+  if (!solve(problem, windowSolver()).usable) return;
+  keepNewestPoseAndDepth(pose, inverse_depth, &segment);
+  for (Keyframe& keyframe : segment.keyframes) keyframe.calibration_generation = generation_;
+  map_.update(segment);
+}
+
+void SlidingWindow::reseed(const Segment& solution) {
+  Segment known = solution;
+  auto& keyframes = known.keyframes;
+  while (!keyframes.empty() && map_.keyframe(keyframes.back().id) == nullptr) keyframes.pop_back();
+  if (keyframes.size() != solution.keyframes.size() || keyframes.size() < 2) return;
+  const Rigid3 pose = map_.keyframe(keyframes.back().id)->world_from_camera;
+  keepNewestPoseAndDepth(pose, map_.medianInverseDepth(keyframes.back().id, camera_), &known);
+  for (Keyframe& keyframe : keyframes) keyframe.calibration_generation = generation_;
+  map_.update(known);
+}
+
+PoseEstimate SlidingWindow::localize(const TrackedFrame& frame, const Rigid3& guess) const {
+  std::vector<PointView> views;
+  std::vector<std::size_t> view_track;
+  for (std::size_t t = 0; t < frame.tracks.size(); ++t) {
+    const Track& track = frame.tracks[t];
+    const auto found = map_.points().find(track.id);
+    if (found == map_.points().end()) continue;
+    const Map::Point& point = found->second;
+    const Keyframe* anchor = map_.keyframe(point.anchor_id);
+    const Map::Sighting* sighting = sightingIn(point, point.anchor_id);
+    if (anchor == nullptr || sighting == nullptr) continue;
+    const auto ray = camera_.unproject(sighting->pixel);
+    if (!ray) continue;
+    views.push_back({anchor->world_from_camera.rotation * *ray,
+                     anchor->world_from_camera.translation, point.inverse_depth, track.pixel,
+                     track.sigma});
+    view_track.push_back(t);
+  }
+  PoseEstimate estimate = solvePose(camera_, views, guess);
+  std::vector<char> inlier(frame.tracks.size(), 1);  // a track without a point is not refuted
+  for (std::size_t v = 0; v < estimate.inlier.size(); ++v) {
+    inlier[view_track[v]] = estimate.inlier[v];
+  }
+  estimate.inlier = std::move(inlier);
+  return estimate;
+}
+
+int SlidingWindow::conditioningCount() const {
+  const auto& keyframes = map_.keyframes();
+  const int active_begin =
+      std::max(0, static_cast<int>(keyframes.size()) - options_.active_keyframes);
+  int count = 0;
+  std::uint64_t near_generation = generation_;
+  while (count < std::min(active_begin, options_.conditioning_keyframes)) {
+    const std::uint64_t generation = keyframes[active_begin - count - 1].calibration_generation;
+    if (generation != near_generation) {
+      const auto camera = generations_.find(generation);
+      if (camera == generations_.end() ||
+          pixelDistance(camera->second, camera_).rms > options_.max_generation_distance_px) {
+        break;
+      }
+      near_generation = generation;
+    }
+    ++count;
+  }
+  return count;
+}
+
+std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
+                                                     const std::vector<Track>& tracks) {
+  keyframe.calibration_generation = generation_;
+  // New points start at the median depth of the points that the same view holds already.
+  std::vector<double> depths;
+  for (const Track& track : tracks) {
+    const auto found = map_.points().find(track.id);
+    if (found == map_.points().end()) continue;
+    const Keyframe* anchor = map_.keyframe(found->second.anchor_id);
+    const Map::Sighting* sighting = sightingIn(found->second, found->second.anchor_id);
+    const auto ray = camera_.unproject(sighting->pixel);
+    if (!ray) continue;
+    depths.push_back(transferInverseDepth(anchor->world_from_camera, *ray,
+                                          found->second.inverse_depth,
+                                          keyframe.world_from_camera));
+  }
+  const double depth = median(std::move(depths), 1.0);
+  map_.addKeyframe(keyframe, tracks, depth > 0.0 ? depth : 1.0, camera_);
+  return solveWindow();
+}
+
+std::vector<std::int64_t> SlidingWindow::solveWindow() {
+  std::vector<std::int64_t> outlier_ids;
+  if (map_.keyframes().size() < 2) return outlier_ids;
+  const int conditioning = conditioningCount();
+  Segment segment = map_.lastKeyframes(options_.active_keyframes + conditioning, camera_);
+  SegmentBlock block = freeBlock(&segment, camera_);
+  if (conditioning >= 2) {
+    const double baseline = (segment.keyframes[0].world_from_camera.translation -
+                             segment.keyframes[conditioning - 1].world_from_camera.translation)
+                                .norm();
+    if (baseline * newestInverseDepth(segment) > kSeparatedPoses) block.fixed_landmark = -1;
+    block.fixed_keyframes = conditioning;
+  }
+  if (!solve({&camera_, false, {block}}, windowSolver()).usable) return outlier_ids;
+  map_.update(segment);
+  block.sigma_scale = std::max(1.0, medianResidualScale(block, camera_));
+  for (const int l : misfits(block, camera_, 1e-4)) {
+    outlier_ids.push_back(segment.landmarks[l].track_id);
+  }
+  map_.removePoints(outlier_ids);
+  return outlier_ids;
+}
+
+}  // namespace camera_self_calibration

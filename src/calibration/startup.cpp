@@ -1,0 +1,163 @@
+#include "camera_self_calibration/calibration/startup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "camera_self_calibration/calibration/growth.h"
+#include "camera_self_calibration/calibration/segment_fit.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/map/map.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Other guesses are tried after so many keyframes, and again each time there are 3/2 as many.
+constexpr int kFirstRetry = 6;
+
+std::vector<Camera> otherGuesses(const Camera& initial) {
+  std::vector<Camera> guesses;
+  const double width = initial.width();
+  for (const double focal : {0.35, 0.5, 0.75, 1.1}) {
+    for (const double w : {1.0, 0.6}) {
+      Intrinsics parameters =
+          Camera::defaultGuess(initial.model(), initial.width(), initial.height()).parameters();
+      parameters(0) = parameters(1) = focal * width;
+      if (initial.model() == CameraModel::kFov) parameters(4) = w;
+      Camera camera = initial;
+      camera.setParameters(parameters);
+      guesses.push_back(camera);
+      if (initial.model() != CameraModel::kFov) break;
+    }
+  }
+  return guesses;
+}
+
+}  // namespace
+
+double bootstrap(const StartupOptions& options, Segment* segment, Camera* camera) {
+  for (Keyframe& keyframe : segment->keyframes) keyframe.world_from_camera = Rigid3();
+  for (Landmark& landmark : segment->landmarks) {
+    landmark.inverse_depth = 1.0;
+    if (landmark.anchored) continue;
+    for (const Observation& observation : segment->observations) {
+      if (&segment->landmarks[observation.landmark] == &landmark) {
+        if (const auto ray = camera->unproject(observation.pixel)) landmark.bearing = *ray;
+        break;
+      }
+    }
+  }
+  double cost = std::numeric_limits<double>::infinity();
+  for (int k = 1; k < static_cast<int>(segment->keyframes.size()); ++k) {
+    cost = growByKeyframe(k, k + 1 >= options.free_after_keyframes,
+                          options.max_inverse_depth_ratio, segment, camera);
+  }
+  return cost;
+}
+
+Startup::Startup(const StartupOptions& options, const Camera& initial) : options_(options) {
+  reset(initial);
+}
+
+void Startup::reset(const Camera& initial) {
+  initial_ = camera_ = initial;
+  segment_ = Segment();
+  information_ = IntrinsicsMatrix();
+  usable_ = false;
+  added_ = 1;
+  next_retry_ = kFirstRetry;
+}
+
+void Startup::keepKnown(Segment* segment) const {
+  std::map<std::int64_t, const Keyframe*> keyframes;
+  for (const Keyframe& keyframe : segment_.keyframes) keyframes[keyframe.id] = &keyframe;
+  std::map<std::int64_t, const Landmark*> landmarks;
+  for (const Landmark& landmark : segment_.landmarks) landmarks[landmark.track_id] = &landmark;
+  for (Keyframe& keyframe : segment->keyframes) {
+    const auto known = keyframes.find(keyframe.id);
+    if (known != keyframes.end()) keyframe.world_from_camera = known->second->world_from_camera;
+  }
+  for (Landmark& landmark : segment->landmarks) {
+    const auto found = landmarks.find(landmark.track_id);
+    if (found == landmarks.end()) continue;
+    const Landmark& known = *found->second;
+    const Keyframe& known_reference = segment_.keyframes[known.reference];
+    if (known_reference.id == segment->keyframes[landmark.reference].id) {
+      landmark.bearing = known.bearing;
+      landmark.inverse_depth = known.inverse_depth;
+    } else {
+      landmark.inverse_depth = transferInverseDepth(
+          known_reference.world_from_camera, known.bearing, known.inverse_depth,
+          segment->keyframes[landmark.reference].world_from_camera);
+    }
+  }
+}
+
+void Startup::add(const Segment& segment) {
+  const int keyframes = static_cast<int>(segment.keyframes.size());
+  if (keyframes < 2) return;
+  const bool continues = !segment_.keyframes.empty() &&
+                         segment_.keyframes.back().id == segment.keyframes[keyframes - 2].id;
+  Segment grown = segment;
+  if (continues) {
+    keepKnown(&grown);
+    growByKeyframe(keyframes - 1, keyframes >= options_.free_after_keyframes,
+                   options_.max_inverse_depth_ratio, &grown, &camera_);
+  } else {
+    camera_ = initial_;
+    bootstrap(options_, &grown, &camera_);
+    added_ = keyframes - 1;
+    next_retry_ = kFirstRetry;
+  }
+  segment_ = grown;
+  judge();
+  ++added_;
+  if (added_ >= next_retry_ &&
+      (!usable_ || residual_scale_ * residual_scale_ > options_.retry_cost)) {
+    tryOtherGuesses(segment);
+  }
+}
+
+void Startup::tryOtherGuesses(const Segment& segment) {
+  next_retry_ = next_retry_ * 3 / 2;
+  SegmentBlock block = freeBlock(&segment_, camera_);
+  double best = usable_ ? robustCost(block, camera_, 2.0) : std::numeric_limits<double>::infinity();
+  bool changed = false;
+  for (Camera guess : otherGuesses(initial_)) {
+    Segment trial = segment;
+    const double cost = bootstrap(options_, &trial, &guess);
+    if (!(cost < 0.98 * best)) continue;
+    best = cost;
+    segment_ = trial;
+    camera_ = guess;
+    changed = true;
+  }
+  if (changed) judge();
+}
+
+void Startup::judge() {
+  usable_ = false;
+  if (static_cast<int>(segment_.keyframes.size()) < options_.free_after_keyframes) return;
+  Segment gated = segment_;
+  Camera camera = camera_;
+  const SegmentFit fit = fitSegment(SegmentFitOptions(), &gated, &camera);
+  if (!fit.usable || !camera.valid()) return;
+  camera_ = camera;
+  residual_scale_ = fit.residual_scale;
+  const double scale = std::max(1.0, residual_scale_);
+  information_ = fit.marginal.information / (scale * scale);
+  usable_ = true;
+  // The gated solution is the better one; tracks that did not fit stay with their old depth, since
+  // they may fit later.
+  std::map<std::int64_t, const Landmark*> solved;
+  for (const Landmark& landmark : gated.landmarks) solved[landmark.track_id] = &landmark;
+  segment_.keyframes = gated.keyframes;
+  for (Landmark& landmark : segment_.landmarks) {
+    const auto found = solved.find(landmark.track_id);
+    if (found != solved.end()) landmark = *found->second;
+  }
+}
+
+}  // namespace camera_self_calibration
