@@ -1,0 +1,22 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "camera_self_calibration/pipeline/options.h"
+#include "camera_self_calibration/tools/image_source.h"
+
+namespace camera_self_calibration {
+
+/// The command line of calibrate_bag.
+struct CalibrateBagArguments {
+  SourceOptions source;
+  Options options;
+  std::string out;  ///< Folder for the results; empty: none are written.
+};
+
+/// Nothing if only help was asked for, which is printed. Throws std::runtime_error on wrong
+/// arguments, listing every problem of the options at once.
+std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const char* const* argv);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "camera_self_calibration/tracking/image_view.h"
+
+namespace camera_self_calibration {
+
+/// Where images come from and which of them.
+struct SourceOptions {
+  std::string path;               ///< A bag, a folder of images or a video file.
+  std::string topic;              ///< Of a bag; empty: the only image topic.
+  double rate = 0.0;              ///< Of a folder or video [Hz]; 0: 30 or what the video says.
+  double start_seconds = 0.0;     ///< Images before this time after the first one are skipped.
+  double duration_seconds = 0.0;  ///< 0: to the end.
+};
+
+/// One image, or why it could not be read.
+struct SourceImage {
+  std::optional<ImageView> view;
+  std::string error;
+};
+
+/// A stored sequence of images, read one after the other.
+struct ImageSource {
+  std::function<std::optional<SourceImage>()> next;  ///< Nothing at the end.
+  std::int64_t count = 0;                            ///< Images to come; for progress.
+  std::string name;                                  ///< Topic, folder or file.
+};
+
+/// Opens a folder (a directory), a bag (*.bag) or else a video. Throws std::runtime_error that says
+/// what is wrong and what to do: missing or malformed file, no such topic, several topics.
+ImageSource openImages(const SourceOptions& options);
+
+/// The three kinds of openImages.
+ImageSource openBag(const SourceOptions& options);
+ImageSource openFolder(const SourceOptions& options);
+ImageSource openVideo(const SourceOptions& options);
+
+}  // namespace camera_self_calibration

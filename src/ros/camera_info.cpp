@@ -1,0 +1,75 @@
+#include "camera_self_calibration/ros/camera_info.h"
+
+#include <sensor_msgs/distortion_models.h>
+
+#include <algorithm>
+
+#include "camera_self_calibration/camera/fit.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr std::size_t kPlumbBobCount = 5;
+constexpr std::size_t kEquidistantCount = 4;
+
+void setMatrices(const Intrinsics& p, sensor_msgs::CameraInfo* info) {
+  info->K = {p[0], 0.0, p[2], 0.0, p[1], p[3], 0.0, 0.0, 1.0};
+  info->R = {1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0};
+  info->P = {p[0], 0.0, p[2], 0.0, 0.0, p[1], p[3], 0.0, 0.0, 0.0, 1.0, 0.0};
+}
+
+/// A camera whose model has a standard name.
+sensor_msgs::CameraInfo exactInfo(const Camera& camera) {
+  sensor_msgs::CameraInfo info = uncalibratedCameraInfo(camera.width(), camera.height());
+  const Intrinsics& p = camera.parameters();
+  const bool equidistant = camera.model() == CameraModel::kEquidistant;
+  info.distortion_model = equidistant ? sensor_msgs::distortion_models::EQUIDISTANT
+                                      : sensor_msgs::distortion_models::PLUMB_BOB;
+  info.D.assign(equidistant ? kEquidistantCount : kPlumbBobCount, 0.0);
+  std::copy(p.data() + 4, p.data() + p.size(), info.D.begin());
+  setMatrices(p, &info);
+  return info;
+}
+
+}  // namespace
+
+std::optional<CameraInfoConversion> toCameraInfo(const Camera& camera) {
+  if (!camera.valid()) return std::nullopt;
+  if (camera.model() != CameraModel::kFov) return CameraInfoConversion{exactInfo(camera), {}};
+  const std::optional<CameraFit> fit = fitCamera(camera, CameraModel::kEquidistant);
+  if (!fit) return std::nullopt;
+  return CameraInfoConversion{exactInfo(fit->camera), fit->error};
+}
+
+sensor_msgs::CameraInfo uncalibratedCameraInfo(int width, int height) {
+  sensor_msgs::CameraInfo info;
+  info.width = static_cast<std::uint32_t>(width);
+  info.height = static_cast<std::uint32_t>(height);
+  return info;
+}
+
+std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info) {
+  if (!(info.K[0] > 0.0 && info.K[4] > 0.0)) return std::nullopt;
+  const bool plumb_bob = info.distortion_model == sensor_msgs::distortion_models::PLUMB_BOB;
+  const bool equidistant = info.distortion_model == sensor_msgs::distortion_models::EQUIDISTANT;
+  const std::size_t count = equidistant ? kEquidistantCount : kPlumbBobCount;
+  if (!(plumb_bob || equidistant) || (!info.D.empty() && info.D.size() != count)) {
+    return std::nullopt;
+  }
+  std::vector<double> values = {info.K[0], info.K[4], info.K[2], info.K[5]};
+  CameraModel model = equidistant ? CameraModel::kEquidistant : CameraModel::kPinhole;
+  const bool distorted =
+      std::any_of(info.D.begin(), info.D.end(), [](double d) { return d != 0.0; });
+  if (plumb_bob && distorted) {
+    model = CameraModel::kRadtan;
+    values.insert(values.end(), info.D.begin(), info.D.end() - (info.D[4] == 0.0 ? 1 : 0));
+  } else if (equidistant) {
+    values.insert(values.end(), info.D.begin(), info.D.end());
+    values.resize(4 + kEquidistantCount, 0.0);
+  }
+  const Camera camera(model, static_cast<int>(info.width), static_cast<int>(info.height),
+                      Eigen::Map<const Eigen::VectorXd>(values.data(), values.size()));
+  return camera.valid() ? std::optional<Camera>(camera) : std::nullopt;
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,128 @@
+#include "camera_self_calibration/ros/gray_image.h"
+
+#include <cv_bridge/cv_bridge.h>
+#include <sensor_msgs/image_encodings.h>
+
+#include <algorithm>
+#include <array>
+#include <opencv2/imgcodecs.hpp>
+
+#include "camera_self_calibration/ros/stamps.h"
+
+namespace camera_self_calibration {
+namespace {
+
+namespace encodings = sensor_msgs::image_encodings;
+
+GrayImage failed(std::string error) { return {std::nullopt, std::move(error)}; }
+
+/// The matrix lives as long as the view.
+GrayImage viewOf(cv::Mat gray, const ros::Time& stamp) {
+  const auto owner = std::make_shared<const cv::Mat>(std::move(gray));
+  return {ImageView{owner, owner->data, owner->cols, owner->rows, static_cast<int>(owner->step[0]),
+                    toNanoseconds(stamp)},
+          {}};
+}
+
+GrayImage viewOf(const sensor_msgs::ImageConstPtr& message) {
+  const std::shared_ptr<const void> owner(message.get(), [message](const void*) {});
+  return {ImageView{owner, message->data.data(), static_cast<int>(message->width),
+                    static_cast<int>(message->height), static_cast<int>(message->step),
+                    toNanoseconds(message->header.stamp)},
+          {}};
+}
+
+std::string sizeText(const sensor_msgs::Image& message) {
+  return std::to_string(message.width) + "x" + std::to_string(message.height) + " " +
+         message.encoding;
+}
+
+/// What is wrong with the message as such, before anything reads its pixels.
+std::string malformed(const sensor_msgs::Image& message) {
+  constexpr std::uint32_t kLargestSide = 32768;
+  if (message.width == 0 || message.height == 0) return "the image is empty (size 0)";
+  if (message.width > kLargestSide || message.height > kLargestSide) {
+    return "the image claims the size " + sizeText(message) + ", which is not plausible";
+  }
+  std::size_t pixel_bytes = 0;
+  try {
+    pixel_bytes = static_cast<std::size_t>(encodings::numChannels(message.encoding)) *
+                  static_cast<std::size_t>(encodings::bitDepth(message.encoding)) / 8;
+  } catch (const std::exception&) {
+    return "the encoding '" + message.encoding + "' is not known; use mono8, bgr8 or another one";
+  }
+  if (message.step < message.width * pixel_bytes ||
+      message.data.size() < static_cast<std::size_t>(message.step) * message.height) {
+    return "the image is truncated: " + std::to_string(message.data.size()) + " bytes of " +
+           std::to_string(message.step) + " a row for " + sizeText(message);
+  }
+  return {};
+}
+
+bool hasGray(const std::string& encoding) {
+  return encodings::isMono(encoding) || encodings::isColor(encoding) ||
+         encodings::isBayer(encoding) || encoding == encodings::YUV422;
+}
+
+/// A JPEG decoder fills what is missing of a truncated picture with gray and only warns.
+bool isTruncatedJpeg(const std::vector<std::uint8_t>& data) {
+  const bool is_jpeg = data.size() > 2 && data[0] == 0xFF && data[1] == 0xD8;
+  constexpr std::array<std::uint8_t, 2> kEndOfImage = {0xFF, 0xD9};
+  return is_jpeg && std::find_end(data.begin(), data.end(), kEndOfImage.begin(),
+                                  kEndOfImage.end()) == data.end();
+}
+
+}  // namespace
+
+GrayImage GrayConverter::convert(const sensor_msgs::ImageConstPtr& message) {
+  const std::string problem = malformed(*message);
+  if (!problem.empty()) return failed(problem);
+  if (message->encoding == encodings::MONO8 || message->encoding == encodings::TYPE_8UC1) {
+    return viewOf(message);
+  }
+  try {
+    if (message->encoding == encodings::MONO16 || message->encoding == encodings::TYPE_16UC1) {
+      return convertMono16(message);
+    }
+    if (!hasGray(message->encoding)) {
+      return failed("the encoding '" + message->encoding +
+                    "' is no picture that can be turned gray; use mono8, bgr8 or another one");
+    }
+    return viewOf(cv_bridge::toCvCopy(message, encodings::MONO8)->image, message->header.stamp);
+  } catch (const std::exception& e) {
+    return failed("an image " + sizeText(*message) + " cannot be turned gray: " + e.what());
+  }
+}
+
+GrayImage GrayConverter::convertMono16(const sensor_msgs::ImageConstPtr& message) {
+  const cv_bridge::CvImageConstPtr image = cv_bridge::toCvShare(message);
+  double brightest = 0.0;
+  cv::minMaxLoc(image->image, nullptr, &brightest);
+  while (significant_bits_ < 16 && brightest >= static_cast<double>(1 << significant_bits_)) {
+    ++significant_bits_;
+  }
+  cv::Mat gray;
+  image->image.convertTo(gray, CV_8U, 255.0 / ((1 << significant_bits_) - 1));
+  return viewOf(gray, message->header.stamp);
+}
+
+GrayImage GrayConverter::convert(const sensor_msgs::CompressedImage& message) const {
+  if (message.data.empty()) return failed("the compressed image is empty");
+  if (isTruncatedJpeg(message.data)) {
+    return failed("the compressed image is truncated (" + std::to_string(message.data.size()) +
+                  " bytes without the mark that ends a JPEG picture)");
+  }
+  try {
+    // The sensor's pixels as they are: a calibration must not depend on a rotation by metadata.
+    cv::Mat gray = cv::imdecode(message.data, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    if (gray.empty()) {
+      return failed("the compressed image (format '" + message.format + "', " +
+                    std::to_string(message.data.size()) + " bytes) cannot be decoded");
+    }
+    return viewOf(std::move(gray), message.header.stamp);
+  } catch (const std::exception& e) {
+    return failed(std::string("the compressed image cannot be decoded: ") + e.what());
+  }
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,123 @@
+#include "camera_self_calibration/tools/calibrate_bag_arguments.h"
+
+#include <boost/program_options.hpp>
+#include <iostream>
+#include <stdexcept>
+
+#include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/tools/calibration_file.h"
+
+namespace camera_self_calibration {
+namespace {
+
+namespace po = boost::program_options;
+
+constexpr const char* kUsage =
+    "Calibrates a camera from a bag, a folder of images or a video, without a ROS master.\n"
+    "\n"
+    "  calibrate_bag BAG|FOLDER|VIDEO [--model fov] [--out DIR] [options]\n"
+    "\n"
+    "Exit code: 0 converged, 2 ran but did not converge, 1 error, 3 no images.\n";
+
+po::options_description description(CalibrateBagArguments* arguments) {
+  Options& options = arguments->options;
+  SourceOptions& source = arguments->source;
+  po::options_description all("Options", 100);
+  // clang-format off
+  all.add_options()
+    ("help,h", "this text")
+    ("input", po::value(&source.path), "bag (*.bag), folder of images or video file")
+    ("topic", po::value(&source.topic), "image topic of the bag; needed if it has several")
+    ("model", po::value<std::string>(),
+     "pinhole | fov | radtan (plumb_bob) | equidistant; default: that of --initial, else fov")
+    ("out", po::value(&arguments->out),
+     "folder for the results; made if it is missing. Without it only a table is printed")
+    ("initial", po::value<std::string>(),
+     "start values: a ROS calibration (YAML) or a YAML with model, width, height, params")
+    ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video [Hz]")
+    ("start", po::value(&source.start_seconds), "skip this much of the beginning [s]")
+    ("duration", po::value(&source.duration_seconds), "stop after this much [s]")
+    ("max-features", po::value(&options.tracker.max_features)->default_value(
+         options.tracker.max_features), "features tracked")
+    ("sliding-window-keyframes", po::value(&options.sliding_window_keyframes)->default_value(
+         options.sliding_window_keyframes), "keyframes of the sliding window")
+    ("segment-keyframes", po::value(&options.segment_keyframes)->default_value(
+         options.segment_keyframes), "keyframes of a segment")
+    ("queue-segments", po::value(&options.queue_segments)->default_value(options.queue_segments),
+     "segments of the queue")
+    ("alpha", po::value(&options.alpha)->default_value(options.alpha, "0.95"),
+     "update rule of the queue, in (0, 1)")
+    ("converged-pixel-rms", po::value(&options.converged_pixel_rms),
+     "CONVERGED below this pixel uncertainty [px]; default: 1 px per 640 px of image width")
+    ("solver-threads", po::value(&options.solver_threads)->default_value(options.solver_threads),
+     "threads for the joint solve; the result is the same");
+  // clang-format on
+  return all;
+}
+
+CameraModel modelFromName(const std::string& name) {
+  const std::optional<CameraModel> model = cameraModelFromString(name);
+  if (model) return *model;
+  throw std::runtime_error("--model " + name +
+                           " is not one of pinhole, fov, radtan (or plumb_bob), equidistant");
+}
+
+/// The start values, converted if another model was asked for.
+void setInitial(const std::string& file, bool model_given, Options* options) {
+  Camera camera = readCalibrationFile(file);
+  if (!model_given) options->model = camera.model();
+  if (camera.model() != options->model) {
+    const std::optional<CameraFit> fit = fitCamera(camera, options->model);
+    if (!fit) {
+      throw std::runtime_error("the start values of " + file + " cannot be converted to " +
+                               toString(options->model));
+    }
+    camera = fit->camera;
+  }
+  options->initial_camera = camera;
+}
+
+void checkSource(const SourceOptions& source) {
+  if (source.path.empty()) {
+    throw std::runtime_error("no bag, folder or video is given; see calibrate_bag --help");
+  }
+  if (!(source.rate >= 0.0 && source.start_seconds >= 0.0 && source.duration_seconds >= 0.0)) {
+    throw std::runtime_error("--rate, --start and --duration must not be negative");
+  }
+}
+
+void checkOptions(const Options& options) {
+  const std::vector<std::string> problems = options.problems();
+  if (problems.empty()) return;
+  std::string text = "the options cannot be used:";
+  for (const std::string& problem : problems) text += "\n  - " + problem;
+  throw std::runtime_error(text);
+}
+
+}  // namespace
+
+std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const char* const* argv) {
+  CalibrateBagArguments arguments;
+  const po::options_description all = description(&arguments);
+  po::variables_map given;
+  po::store(po::command_line_parser(argc, argv)
+                .options(all)
+                .positional(po::positional_options_description().add("input", 1))
+                .run(),
+            given);
+  po::notify(given);
+  if (given.count("help") > 0) {
+    std::cout << kUsage << '\n' << all;
+    return std::nullopt;
+  }
+  checkSource(arguments.source);
+  const bool model_given = given.count("model") > 0;
+  if (model_given) arguments.options.model = modelFromName(given["model"].as<std::string>());
+  if (given.count("initial") > 0) {
+    setInitial(given["initial"].as<std::string>(), model_given, &arguments.options);
+  }
+  checkOptions(arguments.options);
+  return arguments;
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,138 @@
+#include "camera_self_calibration/tools/image_source.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <opencv2/core/utils/logger.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/videoio.hpp>
+#include <stdexcept>
+#include <vector>
+
+namespace camera_self_calibration {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kDefaultRateHz = 30.0;
+// Stamps of images that carry none begin here, since 0 means "no time" in ROS.
+constexpr std::int64_t kFirstStampNs = 1000000000;
+
+SourceImage imageOf(cv::Mat gray, std::int64_t stamp_ns) {
+  const auto owner = std::make_shared<const cv::Mat>(std::move(gray));
+  return {ImageView{owner, owner->data, owner->cols, owner->rows, static_cast<int>(owner->step[0]),
+                    stamp_ns},
+          {}};
+}
+
+bool isImageFile(const fs::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  static const std::vector<std::string> kKnown = {".png", ".jpg", ".jpeg", ".pgm", ".ppm",
+                                                  ".bmp", ".tif", ".tiff", ".webp"};
+  return std::find(kKnown.begin(), kKnown.end(), extension) != kKnown.end();
+}
+
+std::vector<fs::path> sortedImages(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_regular_file() && isImageFile(entry.path())) files.push_back(entry.path());
+  }
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+/// The indices of the images of `total` that lie between start and start + duration.
+struct IndexRange {
+  std::int64_t begin = 0;
+  std::int64_t end = 0;
+};
+
+IndexRange indexRange(const SourceOptions& options, double rate, std::int64_t total) {
+  const auto index = [&](double seconds) {
+    return static_cast<std::int64_t>(std::ceil(seconds * rate - 1e-6));
+  };
+  IndexRange range;
+  range.begin = std::min(total, index(options.start_seconds));
+  range.end = total;
+  if (options.duration_seconds > 0.0) {
+    range.end = std::min(total, index(options.start_seconds + options.duration_seconds));
+  }
+  return range;
+}
+
+std::int64_t stampOf(std::int64_t index, double rate) {
+  return kFirstStampNs + std::llround(static_cast<double>(index) * 1e9 / rate);
+}
+
+}  // namespace
+
+ImageSource openFolder(const SourceOptions& options) {
+  const double rate = options.rate > 0.0 ? options.rate : kDefaultRateHz;
+  const auto files = std::make_shared<const std::vector<fs::path>>(sortedImages(options.path));
+  const IndexRange range = indexRange(options, rate, static_cast<std::int64_t>(files->size()));
+  ImageSource source;
+  source.name = options.path;
+  source.count = range.end - range.begin;
+  source.next = [files, rate, range, index = range.begin]() mutable -> std::optional<SourceImage> {
+    if (index >= range.end) return std::nullopt;
+    const fs::path& file = (*files)[static_cast<std::size_t>(index)];
+    cv::Mat gray = cv::imread(file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    const std::int64_t stamp_ns = stampOf(index++, rate);
+    if (gray.empty()) return SourceImage{std::nullopt, file.string() + " is no readable image"};
+    return imageOf(std::move(gray), stamp_ns);
+  };
+  return source;
+}
+
+ImageSource openVideo(const SourceOptions& options) {
+  // Every backend that cannot open a file would say so at length.
+  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
+  const auto video = std::make_shared<cv::VideoCapture>(options.path);
+  if (!video->isOpened()) {
+    throw std::runtime_error(options.path +
+                             " is neither a bag (*.bag), nor a folder of images, nor a video that "
+                             "this OpenCV can read");
+  }
+  const double own_rate = video->get(cv::CAP_PROP_FPS);
+  const double rate = options.rate > 0.0 ? options.rate
+                      : own_rate > 0.0   ? own_rate
+                                         : kDefaultRateHz;
+  const double total = std::max(0.0, video->get(cv::CAP_PROP_FRAME_COUNT));
+  // The count of a video is only an estimate: it serves for progress, the end is found by reading.
+  const IndexRange range = indexRange(options, rate, static_cast<std::int64_t>(total));
+  ImageSource source;
+  source.name = options.path;
+  source.count = range.end - range.begin;
+  const bool to_the_end = !(options.duration_seconds > 0.0);
+  const std::int64_t begin = indexRange(options, rate, INT64_MAX).begin;
+  const std::int64_t end = indexRange(options, rate, INT64_MAX).end;
+  source.next = [video, rate, begin, end, to_the_end,
+                 index = std::int64_t{0}]() mutable -> std::optional<SourceImage> {
+    cv::Mat frame;
+    do {
+      if ((!to_the_end && index >= end) || !video->read(frame)) return std::nullopt;
+    } while (index++ < begin);
+    cv::Mat gray;
+    if (frame.channels() == 1) {
+      gray = frame.clone();
+    } else {
+      cv::cvtColor(frame, gray, cv::COLOR_BGR2GRAY);
+    }
+    return imageOf(std::move(gray), stampOf(index - 1, rate));
+  };
+  return source;
+}
+
+ImageSource openImages(const SourceOptions& options) {
+  const fs::path path(options.path);
+  if (!fs::exists(path)) throw std::runtime_error("there is no file or folder " + options.path);
+  if (fs::is_directory(path)) return openFolder(options);
+  if (path.extension() == ".bag") return openBag(options);
+  return openVideo(options);
+}
+
+}  // namespace camera_self_calibration

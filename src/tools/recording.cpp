@@ -1,0 +1,166 @@
+#include "camera_self_calibration/tools/recording.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <iomanip>
+#include <limits>
+#include <stdexcept>
+
+#include "camera_self_calibration/tools/calibration_file.h"
+#include "camera_self_calibration/tools/json.h"
+
+namespace camera_self_calibration {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Of all parameters: 0 for those held fixed, not a number while there is no estimate.
+std::vector<double> sigmas(const CalibrationReport& report) {
+  const Eigen::Index estimated = report.covariance.rows();
+  std::vector<double> values(static_cast<std::size_t>(report.camera.parameterCount()),
+                             estimated == 0 ? std::numeric_limits<double>::quiet_NaN() : 0.0);
+  for (Eigen::Index i = 0; i < estimated; ++i) {
+    values[static_cast<std::size_t>(i)] = std::sqrt(report.covariance(i, i));
+  }
+  return values;
+}
+
+std::string parametersJson(const Camera& camera, const std::function<double(std::size_t)>& value) {
+  std::vector<json::Member> members;
+  const std::vector<std::string> names = camera.parameterNames();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    members.emplace_back(names[i], json::number(value(i)));
+  }
+  return json::object(members);
+}
+
+std::string cameraJson(const CalibrationReport& report) {
+  const Camera& camera = report.camera;
+  const std::vector<double> sigma = sigmas(report);
+  return json::object(
+      {{"model", json::string(toString(camera.model()))},
+       {"width", json::number(static_cast<std::int64_t>(camera.width()))},
+       {"height", json::number(static_cast<std::int64_t>(camera.height()))},
+       {"params", parametersJson(camera,
+                                 [&](std::size_t i) {
+                                   return camera.parameters()[static_cast<Eigen::Index>(i)];
+                                 })},
+       {"sigma", parametersJson(camera, [&](std::size_t i) { return sigma[i]; })}});
+}
+
+std::string eventsJson(const std::vector<Event>& events) {
+  std::vector<std::string> values;
+  values.reserve(events.size());
+  for (const Event& event : events) {
+    values.push_back(json::object({{"type", json::string(toString(event.type))},
+                                   {"stamp", json::seconds(event.stamp_ns)},
+                                   {"onset_stamp", json::seconds(event.onset_stamp_ns)},
+                                   {"sentence", json::string(event.sentence)}}));
+  }
+  return json::array(values);
+}
+
+void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& write) {
+  std::ofstream file(path);
+  write(file);
+  if (!file.flush()) throw std::runtime_error(path.string() + " cannot be written");
+}
+
+void writePose(const TimedPose& pose, std::ostream& file) {
+  const Eigen::Vector3d& t = pose.world_from_camera.translation;
+  const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
+  file << json::seconds(pose.stamp_ns) << std::setprecision(12) << ' ' << t.x() << ' ' << t.y()
+       << ' ' << t.z() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
+}
+
+/// TUM format, world_from_camera. The poses of different maps do not belong together, which a
+/// comment line tells.
+void writeTrajectory(const Recording& recording, bool keyframes_only, std::ostream& file) {
+  file << "# t[s] tx ty tz [map units: the scale is arbitrary] qx qy qz qw\n";
+  bool any = false;
+  std::uint64_t map_id = 0;
+  for (const TimedPose& pose : recording.poses) {
+    if (keyframes_only && !pose.is_keyframe) continue;
+    if (!any || pose.map_id != map_id) file << "# map " << pose.map_id << '\n';
+    any = true;
+    map_id = pose.map_id;
+    writePose(pose, file);
+  }
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
+  return result + "\"";
+}
+
+void writeCsvHeader(const Camera& camera, std::ostream& file) {
+  file << "stamp";
+  for (const std::string& name : camera.parameterNames()) file << ',' << name;
+  for (const std::string& name : camera.parameterNames()) file << ",sigma_" << name;
+  file << ",entropy,pixel_uncertainty_rms,pixel_uncertainty_max,queue_size,decision,state,epoch\n";
+}
+
+void writeCsvRow(const CalibrationReport& report, std::ostream& file) {
+  file << json::seconds(report.stamp_ns) << std::setprecision(10);
+  for (const double value : report.camera.parameters()) file << ',' << value;
+  for (const double value : sigmas(report)) file << ',' << value;
+  file << ',' << report.entropy << ',' << report.uncertainty.rms << ',' << report.uncertainty.max
+       << ',' << report.queue.segments.size() << ',' << quoted(report.queue.last_decision) << ','
+       << toString(report.state) << ',' << report.epoch << '\n';
+}
+
+void writeCalibrations(const fs::path& folder, const std::string& topic,
+                       const CalibrationReport& report) {
+  const fs::path ros_file = folder / "calibration.yaml";
+  const fs::path kalibr_file = folder / "camchain.yaml";
+  // An estimate that is not good enough must not be taken for a calibration, nor an older file for
+  // the result of this run.
+  fs::remove(ros_file);
+  fs::remove(kalibr_file);
+  if (report.state != CalibrationState::kConverged) return;
+  writeRosCalibration(ros_file.string(), "camera", report.camera);
+  writeKalibrCalibration(kalibr_file.string(), topic, report.camera);
+}
+
+}  // namespace
+
+std::string summaryJson(const Recording& recording) {
+  const CalibrationReport& report = recording.final_report;
+  const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
+  const auto count = [](auto n) { return json::number(static_cast<std::int64_t>(n)); };
+  return json::object(
+             {{"state", json::string(toString(report.state))},
+              {"sentence", json::string(report.sentence)},
+              {"hint", json::string(report.hint)},
+              {"camera", cameraJson(report)},
+              {"pixel_uncertainty", json::object({{"rms", json::number(report.uncertainty.rms)},
+                                                  {"max", json::number(report.uncertainty.max)}})},
+              {"frames", count(recording.frames)},
+              {"keyframes", count(recording.keyframes)},
+              {"processing_seconds", json::number(recording.processing_seconds)},
+              {"frames_per_second", json::number(rate)},
+              {"queue", json::object({{"segments", count(report.queue.segments.size())},
+                                      {"swaps", count(report.queue.swaps)}})},
+              {"events", eventsJson(recording.events)}}) +
+         "\n";
+}
+
+void writeRecording(const std::string& folder, const std::string& topic,
+                    const Recording& recording) {
+  const fs::path path(folder);
+  writeFile(path / "trajectory.tum",
+            [&](std::ostream& file) { writeTrajectory(recording, false, file); });
+  writeFile(path / "keyframes.tum",
+            [&](std::ostream& file) { writeTrajectory(recording, true, file); });
+  writeFile(path / "convergence.csv", [&](std::ostream& file) {
+    writeCsvHeader(recording.final_report.camera, file);
+    for (const CalibrationReport& report : recording.reports) writeCsvRow(report, file);
+  });
+  writeCalibrations(path, topic, recording.final_report);
+  writeFile(path / "summary.json", [&](std::ostream& file) { file << summaryJson(recording); });
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,45 @@
+#include "camera_self_calibration/tools/report_text.h"
+
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+namespace camera_self_calibration {
+namespace {
+
+void writeParameters(const CalibrationReport& report, std::ostream& text) {
+  const std::vector<std::string> names = report.camera.parameterNames();
+  text << std::fixed << "  parameter |     estimate |      sigma\n";
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto index = static_cast<Eigen::Index>(i);
+    text << "  " << std::left << std::setw(9) << names[i] << " | " << std::right << std::setw(12)
+         << std::setprecision(5) << report.camera.parameters()[index] << " | " << std::setw(10);
+    if (index < report.covariance.rows()) {
+      text << std::sqrt(report.covariance(index, index)) << '\n';
+    } else {
+      text << (report.covariance.rows() > 0 ? "fixed" : "unknown") << '\n';
+    }
+  }
+}
+
+}  // namespace
+
+std::string reportText(const Recording& recording) {
+  const CalibrationReport& report = recording.final_report;
+  std::ostringstream text;
+  text << toString(report.state) << ": " << report.sentence << '\n';
+  if (!report.hint.empty()) text << report.hint << '\n';
+  text << toString(report.camera.model()) << ", " << report.camera.width() << "x"
+       << report.camera.height() << '\n';
+  writeParameters(report, text);
+  if (std::isfinite(report.uncertainty.rms)) {
+    text << std::setprecision(3) << "  pixel uncertainty: " << report.uncertainty.rms << " px rms, "
+         << report.uncertainty.max << " px at worst\n";
+  }
+  text << std::setprecision(1) << "  " << recording.frames << " frames, " << recording.keyframes
+       << " keyframes in " << recording.processing_seconds << " s ("
+       << static_cast<double>(recording.frames) / recording.processing_seconds << " fps)\n";
+  return text.str();
+}
+
+}  // namespace camera_self_calibration
