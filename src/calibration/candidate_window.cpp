@@ -6,6 +6,8 @@
 
 #include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/estimation/entropy.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
 
 namespace camera_self_calibration {
@@ -61,6 +63,9 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
   candidate.sigma_scale = std::max(1.0, fit.residual_scale);
   candidate.information =
       fit.marginal.information / (candidate.sigma_scale * candidate.sigma_scale);
+  SegmentBlock block = freeBlock(&candidate.segment, candidate.camera);
+  block.sigma_scale = candidate.sigma_scale;
+  candidate.cost = robustCost(block, candidate.camera, SegmentFitOptions().huber);
   if (const auto covariance = covarianceFromInformation(candidate.information)) {
     candidate.entropy = entropy(candidate.camera, *covariance);
     candidate.uncertainty = pixelUncertainty(candidate.camera, *covariance);

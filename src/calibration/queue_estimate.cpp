@@ -1,8 +1,10 @@
 #include "camera_self_calibration/calibration/queue_estimate.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/solver.h"
 
@@ -35,7 +37,15 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
   const SolveSummary summary = camera_self_calibration::solve(problem, options);
   solution.usable = summary.usable;
   solution.iterations = summary.iterations;
-  solution.information = marginalize(problem, options.huber, threads_).information;
+  double chi_square = 0.0;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    const double joint = robustCost(problem.blocks[i], solution.camera, options.huber);
+    chi_square += std::max(0.0, 2.0 * (joint - candidates_[i].cost));
+  }
+  const int freedom = (static_cast<int>(candidates_.size()) - 1) * problem.intrinsicsCount();
+  if (freedom > 0) solution.inflation = std::sqrt(std::max(1.0, chi_square / freedom));
+  solution.information = marginalize(problem, options.huber, threads_).information /
+                         (solution.inflation * solution.inflation);
   return solution;
 }
 

@@ -14,6 +14,7 @@ struct Candidate {
   Camera camera;          ///< Its own estimate.
   double sigma_scale = 1.0;       ///< By which its observations' sigmas were multiplied.
   IntrinsicsMatrix information;   ///< Marginal, with the scaled sigmas; n_c x n_c.
+  double cost = 0.0;              ///< Robust, at its own optimum, with the scaled sigmas.
   double entropy = 0.0;           ///< Normalised [nats].
   PixelError uncertainty;         ///< [px]
   double residual_scale = 1.0;    ///< Against the tracker's own sigma.

@@ -12,7 +12,13 @@ namespace camera_self_calibration {
 struct QueueSolution {
   bool usable = false;
   Camera camera;
-  IntrinsicsMatrix information;  ///< Sum of the segments' marginals at the joint optimum.
+  /// Sum of the segments' marginals at the joint optimum, divided by the square of `inflation`.
+  IntrinsicsMatrix information;
+  /// How far the segments disagree beyond their own uncertainties: sqrt of chi-square per degree of
+  /// freedom, at least 1. Each segment's share of the chi-square is twice what its cost rises from
+  /// its own optimum to the joint one. It tells of errors that last longer than a segment's
+  /// residuals can show.
+  double inflation = 1.0;
   int iterations = 0;
 };
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/calibration/health.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/rigid3.h"
@@ -13,18 +14,10 @@
 namespace camera_self_calibration {
 
 enum class TrackingState { kInitializing, kTracking, kLost };
-enum class CalibrationState {
-  kWaitingForMotion,
-  kInitializing,
-  kConverging,
-  kConverged,
-  kDegenerate
-};
 enum class EventType { kCalibrationChange, kHandover, kConverged, kLost, kRelocalized, kInput };
 
 /// "TRACKING", "WAITING_FOR_MOTION", "HANDOVER", ...: the names used in messages and files.
 std::string toString(TrackingState state);
-std::string toString(CalibrationState state);
 std::string toString(EventType type);
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
@@ -59,7 +52,7 @@ struct SegmentReport {
 
 struct QueueReport {
   std::vector<SegmentReport> segments;
-  int swaps = 0;              ///< Changes of the queue since the start.
+  int swaps = 0;              ///< Changes of the queue since the start, the first fillings too.
   bool last_accepted = false;
   std::string last_decision;  ///< What became of the newest candidate, and why.
 };

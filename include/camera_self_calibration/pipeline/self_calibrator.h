@@ -31,11 +31,16 @@ class SelfCalibrator {
   ~SelfCalibrator();
 
   /// Threaded: false if an older image had to be dropped. The image stays alive by its owner.
+  /// A time that jumps back begins a new map. An empty image, or one of another size than the first,
+  /// is left out and raises EventType::kInput once; the calibration stays.
   bool process(const ImageView& image);
 
   /// The same with tracks from elsewhere (simulation). `detect` is called, inline only, when the
   /// frame becomes a keyframe, and returns the tracks that start in it.
   void processTracks(const TrackedFrame& frame, const std::function<std::vector<Track>()>& detect);
+
+  /// Ends all tracks: the next image begins a new map. The calibration and the queue stay.
+  void resetTracking();
 
   /// Threaded: waits until all enqueued images and keyframes are processed.
   void flush();

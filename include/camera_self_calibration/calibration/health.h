@@ -1,0 +1,46 @@
+#pragma once
+
+#include <string>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+
+namespace camera_self_calibration {
+
+enum class CalibrationState {
+  kWaitingForMotion,
+  kInitializing,
+  kConverging,
+  kConverged,
+  kDegenerate
+};
+
+/// "WAITING_FOR_MOTION", "INITIALIZING", "CONVERGING", "CONVERGED", "DEGENERATE".
+std::string toString(CalibrationState state);
+
+/// What a verdict rests on.
+struct HealthEvidence {
+  int keyframes = 0;             ///< Seen so far.
+  bool has_estimate = false;     ///< There is a solution with an information matrix.
+  bool handed_over = false;      ///< The queue's estimate has taken over from the startup batch.
+  IntrinsicsMatrix information;  ///< Of the estimate.
+  PixelError uncertainty;        ///< [px]
+  double threshold_px = 1.0;     ///< CONVERGED at or below this rms.
+  std::string obstacle;          ///< Why there was no hand-over yet, in words; may be empty.
+};
+
+/// State of the calibration with one plain sentence and the motion that would help.
+struct HealthVerdict {
+  CalibrationState state = CalibrationState::kWaitingForMotion;
+  std::string sentence;
+  std::string hint;
+};
+
+/// `was_converged`: CONVERGED is left only on a change or a reset, never for lack of motion.
+HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera, bool was_converged);
+
+/// The least observed direction of an information matrix in words: the parameters that dominate the
+/// eigenvector of the smallest scaled eigenvalue, such as "fx, fy".
+std::string weakestDirection(const IntrinsicsMatrix& information, const Camera& camera);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "camera_self_calibration/calibration/sliding_window.h"
+#include "camera_self_calibration/map/segment.h"
+#include "camera_self_calibration/pipeline/options.h"
+#include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/tracking/keyframe_rule.h"
+#include "camera_self_calibration/tracking/track.h"
+
+namespace camera_self_calibration {
+
+/// From the back end to the front end: newest intrinsics.
+struct CalibrationUpdate {
+  Camera camera;
+  std::uint64_t generation = 0;
+  bool handed_over = false;
+  /// Startup: poses and depths solved together with the intrinsics.
+  std::optional<Segment> solution;
+};
+
+/// From the front end to the back end, at a keyframe.
+struct KeyframeMessage {
+  std::int64_t keyframes = 0;  ///< Count since the start.
+  Segment candidate;           ///< The last n keyframes.
+  Segment history;             ///< For the startup batch; empty after hand-over.
+};
+
+struct FrontEndOutput {
+  FrameResult result;
+  std::optional<KeyframeMessage> keyframe;
+  std::vector<std::int64_t> outliers;  ///< Tracks to end.
+  std::vector<Event> events;
+  bool restart_tracking = false;  ///< The map was lost: end all tracks, detect anew.
+};
+
+/// Thread 1: from the tracks of one image to its pose, and at keyframes through the sliding window.
+class FrontEnd {
+ public:
+  FrontEnd(const Options& options, const Camera& camera);
+
+  /// Frames in the order of time. `detect` is called when the frame becomes a keyframe.
+  FrontEndOutput process(const TrackedFrame& frame,
+                         const std::function<std::vector<Track>()>& detect);
+
+  void adopt(const CalibrationUpdate& update);
+
+  /// Starts a new map at the next frame; the calibration stays.
+  void resetMap();
+
+ private:
+  void locate(const TrackedFrame& frame, FrontEndOutput* output);
+  void makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected, FrontEndOutput* output);
+  void updateLoss(const TrackedFrame& frame, int inliers, FrontEndOutput* output);
+
+  Options options_;
+  SlidingWindow window_;
+  KeyframeRule keyframe_rule_;
+  bool handed_over_ = false;
+  std::int64_t keyframes_ = 0;
+  std::uint64_t map_id_ = 0;
+  TrackingState state_ = TrackingState::kInitializing;
+  int frames_without_pose_ = 0;
+  Rigid3 world_from_camera_;  // of the last frame
+  Rigid3 last_motion_;        // previous camera from last camera
+  std::int64_t last_stamp_ns_ = 0;
+};
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,97 @@
+#include "camera_self_calibration/calibration/health.h"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+#include <cstdio>
+
+#include "camera_self_calibration/estimation/marginal.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Keyframes after which an estimate that is still unobserved is called degenerate.
+constexpr int kKeyframesToJudge = 12;
+// Scaled eigenvalue below which a direction counts as not observed at all.
+constexpr double kUnobservedEigenvalue = 1e-7;
+// rms uncertainty over image width that tells nothing about a lens.
+constexpr double kUselessUncertaintyShare = 0.05;
+
+const char* const kMotionHint =
+    "turn the camera about several axes (pan, tilt and roll) while moving it, with near and far "
+    "objects in view";
+
+std::string format(const char* text, double a, double b) {
+  char buffer[200];
+  std::snprintf(buffer, sizeof(buffer), text, a, b);
+  return buffer;
+}
+
+bool isUnobserved(const HealthEvidence& evidence, const Camera& camera) {
+  if (!evidence.has_estimate) return false;
+  return !(evidence.uncertainty.rms < kUselessUncertaintyShare * camera.width()) ||
+         !(scaledEigenvalues(evidence.information)(0) > kUnobservedEigenvalue);
+}
+
+}  // namespace
+
+std::string toString(CalibrationState state) {
+  switch (state) {
+    case CalibrationState::kWaitingForMotion: return "WAITING_FOR_MOTION";
+    case CalibrationState::kInitializing: return "INITIALIZING";
+    case CalibrationState::kConverging: return "CONVERGING";
+    case CalibrationState::kConverged: return "CONVERGED";
+    case CalibrationState::kDegenerate: return "DEGENERATE";
+  }
+  return "";
+}
+
+std::string weakestDirection(const IntrinsicsMatrix& information, const Camera& camera) {
+  Intrinsics scale = information.diagonal().cwiseMax(0.0).cwiseSqrt();
+  for (double& s : scale) s = s > 0.0 ? 1.0 / s : 0.0;
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
+  if (!scaled.allFinite()) return "all parameters";
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const Eigen::VectorXd direction = eigen.eigenvectors().col(0).cwiseAbs();
+  std::string names;
+  for (Eigen::Index i = 0; i < direction.size(); ++i) {
+    if (direction(i) < 0.5 * direction.maxCoeff()) continue;
+    names += (names.empty() ? "" : ", ") + camera.parameterNames()[i];
+  }
+  return names;
+}
+
+HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
+                          bool was_converged) {
+  const double rms = evidence.uncertainty.rms;
+  if (was_converged || (evidence.handed_over && rms <= evidence.threshold_px)) {
+    return {CalibrationState::kConverged,
+            format("the calibration is good to %.2f px rms over the image (limit %.2f px)", rms,
+                   evidence.threshold_px),
+            ""};
+  }
+  if (evidence.handed_over) {
+    return {CalibrationState::kConverging,
+            format("the calibration is good to %.2f px rms over the image, %.2f px are wanted", rms,
+                   evidence.threshold_px),
+            kMotionHint};
+  }
+  if (evidence.keyframes < 2) {
+    return {CalibrationState::kWaitingForMotion,
+            "the camera has not moved enough to learn anything from it", "move the camera"};
+  }
+  if (evidence.keyframes >= kKeyframesToJudge && isUnobserved(evidence, camera)) {
+    return {CalibrationState::kDegenerate,
+            "the motion so far does not tell the intrinsics; least known: " +
+                weakestDirection(evidence.information, camera),
+            kMotionHint};
+  }
+  std::string sentence = "learning the lens from nothing";
+  if (evidence.has_estimate) {
+    sentence += format("; so far good to %.2f px rms over the image (hand-over below %.2f px)", rms,
+                       2.0 * evidence.threshold_px);
+  }
+  if (!evidence.obstacle.empty()) sentence += "; " + evidence.obstacle;
+  return {CalibrationState::kInitializing, sentence, kMotionHint};
+}
+
+}  // namespace camera_self_calibration

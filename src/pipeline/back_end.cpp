@@ -1,0 +1,182 @@
+#include "camera_self_calibration/pipeline/back_end.h"
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "camera_self_calibration/estimation/entropy.h"
+#include "camera_self_calibration/estimation/marginal.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// Segments that disagree by more than this factor of their uncertainties are not describing one
+// camera, or one of them sits in a wrong minimum.
+constexpr double kMaxInflation = 3.0;
+// Distance of the queue's estimate from the startup batch's, over the batch's uncertainty, beyond
+// which the queue was filled from a start that turned out wrong.
+constexpr double kMaxStartupDistance = 10.0;
+
+std::string format(const char* text, double a, double b) {
+  char buffer[200];
+  std::snprintf(buffer, sizeof(buffer), text, a, b);
+  return buffer;
+}
+
+}  // namespace
+
+BackEnd::BackEnd(const Options& options, const Camera& camera)
+    : options_(options),
+      startup_(StartupOptions(), camera),
+      queue_(options.queue_segments, options.alpha),
+      estimate_(options.solver_threads) {
+  report_.camera = camera;
+  report_.uncertainty = {kInfinity, kInfinity};
+  report_.entropy = kInfinity;
+}
+
+BackEndOutput BackEnd::process(const KeyframeMessage& message) {
+  BackEndOutput output;
+  report_.stamp_ns = message.candidate.endNs();
+  report_.keyframes = message.keyframes;
+  changed_ = false;
+  if (!handed_over_) runStartup(message);
+  if (handed_over_ || startup_.usable()) offerCandidate(message);
+  if (!handed_over_) considerHandover(report_.stamp_ns, &output.events);
+  judge(report_.stamp_ns, &output.events);
+  fillQueueReport();
+  if (changed_) {
+    ++report_.revision;
+    output.update = CalibrationUpdate{report_.camera, report_.revision, handed_over_, std::nullopt};
+    if (!handed_over_) output.update->solution = startup_.segment();
+  }
+  output.report = report_;
+  return output;
+}
+
+void BackEnd::runStartup(const KeyframeMessage& message) {
+  startup_.add(message.history);
+  if (!startup_.usable()) return;
+  changed_ = true;
+  report_.camera = startup_.camera();
+  report_.covariance = IntrinsicsMatrix();
+  report_.uncertainty = {kInfinity, kInfinity};
+  report_.entropy = kInfinity;
+  if (const auto covariance = covarianceFromInformation(startup_.information())) {
+    report_.covariance = *covariance;
+    report_.uncertainty = pixelUncertainty(report_.camera, *covariance);
+    report_.entropy = entropy(report_.camera, *covariance);
+  }
+}
+
+void BackEnd::offerCandidate(const KeyframeMessage& message) {
+  Candidate candidate =
+      evaluateCandidate(CandidateOptions(), message.candidate, report_.camera);
+  SegmentScore score;
+  score.sequence = candidate.segment.sequence;
+  score.begin_ns = candidate.segment.beginNs();
+  score.end_ns = candidate.segment.endNs();
+  score.entropy = candidate.entropy;
+  score.information = candidate.information;
+  score.well_posed = candidate.well_posed;
+  const QueueDecision decision = queue_.offer(score, candidate.camera);
+  report_.queue.last_accepted = decision.accepted;
+  report_.queue.last_decision =
+      candidate.well_posed ? decision.reason : "refused: " + candidate.reason;
+  if (!decision.accepted) return;
+  ++report_.queue.swaps;
+  estimate_.remove(decision.replaced);
+  estimate_.add(candidate);
+  solveQueue();
+}
+
+bool BackEnd::solveQueue() {
+  solution_ = estimate_.solve(report_.camera);
+  const auto covariance = covarianceFromInformation(solution_.information);
+  if (!solution_.usable || !solution_.camera.valid() || !covariance) {
+    solution_.usable = false;
+    return false;
+  }
+  if (!handed_over_) return true;
+  report_.camera = solution_.camera;
+  report_.covariance = *covariance;
+  report_.uncertainty = pixelUncertainty(report_.camera, *covariance);
+  report_.entropy = entropy(report_.camera, *covariance);
+  changed_ = true;
+  return true;
+}
+
+void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events) {
+  obstacle_.clear();
+  if (!startup_.usable() || estimate_.candidates().size() < 2 || !solution_.usable) {
+    obstacle_ = "the queue does not hold two separate stretches yet";
+    return;
+  }
+  const double threshold = 2.0 * options_.convergedRms(report_.camera.width());
+  const auto covariance = covarianceFromInformation(solution_.information);
+  const PixelError uncertainty = pixelUncertainty(solution_.camera, *covariance);
+  const double distance = pixelDistance(solution_.camera, startup_.camera()).rms;
+  if (report_.uncertainty.rms < threshold &&
+      distance > kMaxStartupDistance * (report_.uncertainty.rms + uncertainty.rms)) {
+    queue_.clear();
+    estimate_.clear();
+    solution_ = QueueSolution();
+    obstacle_ = "the stretches in the queue contradicted the whole and were let go";
+    return;
+  }
+  if (solution_.inflation > kMaxInflation) {
+    obstacle_ = format("the stretches disagree by %.1f times their uncertainty, at most %.1f is "
+                       "believed",
+                       solution_.inflation, kMaxInflation);
+    return;
+  }
+  const double queue_entropy = entropy(solution_.camera, *covariance);
+  if (!(uncertainty.rms < threshold || queue_entropy < options_.handover_entropy)) {
+    obstacle_ = format("the queue is good to %.2f px rms, hand-over is below %.2f px",
+                       uncertainty.rms, threshold);
+    return;
+  }
+  handed_over_ = true;
+  report_.handed_over = true;
+  solveQueue();
+  events->push_back({EventType::kHandover, stamp_ns, stamp_ns,
+                     format("the queue's estimate took over, good to %.2f px rms (limit %.2f px)",
+                            report_.uncertainty.rms, threshold)});
+}
+
+void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
+  HealthEvidence evidence;
+  evidence.keyframes = static_cast<int>(report_.keyframes);
+  evidence.has_estimate = handed_over_ || startup_.usable();
+  evidence.handed_over = handed_over_;
+  evidence.information = handed_over_ ? solution_.information : startup_.information();
+  evidence.uncertainty = report_.uncertainty;
+  evidence.threshold_px = options_.convergedRms(report_.camera.width());
+  evidence.obstacle = obstacle_;
+  const bool was_converged = report_.state == CalibrationState::kConverged;
+  const HealthVerdict verdict = judgeHealth(evidence, report_.camera, was_converged);
+  report_.state = verdict.state;
+  report_.sentence = verdict.sentence;
+  report_.hint = verdict.hint;
+  if (verdict.state == CalibrationState::kConverged && !was_converged) {
+    events->push_back({EventType::kConverged, stamp_ns, stamp_ns, verdict.sentence});
+  }
+}
+
+void BackEnd::fillQueueReport() {
+  report_.queue.segments.clear();
+  for (const Candidate& candidate : estimate_.candidates()) {
+    SegmentReport segment;
+    segment.sequence = candidate.segment.sequence;
+    segment.begin_ns = candidate.segment.beginNs();
+    segment.end_ns = candidate.segment.endNs();
+    segment.entropy = candidate.entropy;
+    segment.keyframes = static_cast<int>(candidate.segment.keyframes.size());
+    segment.landmarks = static_cast<int>(candidate.segment.landmarks.size());
+    segment.observations = static_cast<int>(candidate.segment.observations.size());
+    report_.queue.segments.push_back(segment);
+  }
+}
+
+}  // namespace camera_self_calibration

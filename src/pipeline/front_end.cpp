@@ -1,0 +1,141 @@
+#include "camera_self_calibration/pipeline/front_end.h"
+
+#include <algorithm>
+
+namespace camera_self_calibration {
+namespace {
+
+// Fewer tracks than this determine no pose worth having.
+constexpr int kMinTracks = 12;
+// Frames in a row without a pose after which the map is given up.
+constexpr int kFramesUntilLost = 5;
+
+SlidingWindowOptions windowOptions(const Options& options) {
+  SlidingWindowOptions window;
+  window.active_keyframes = options.sliding_window_keyframes;
+  window.conditioning_keyframes = options.sliding_window_keyframes;
+  window.map_keyframes =
+      std::max({options.startup_keyframes, options.segment_keyframes,
+                window.active_keyframes + window.conditioning_keyframes});
+  return window;
+}
+
+}  // namespace
+
+FrontEnd::FrontEnd(const Options& options, const Camera& camera)
+    : options_(options), window_(windowOptions(options), camera), keyframe_rule_(options.keyframe) {}
+
+void FrontEnd::adopt(const CalibrationUpdate& update) {
+  handed_over_ = update.handed_over;
+  window_.adopt(update.camera, update.generation);
+  if (update.solution) window_.reseed(*update.solution);
+  // The newest keyframe kept its pose; the frames since then are located again from the next on.
+}
+
+void FrontEnd::resetMap() {
+  window_.clear();
+  keyframe_rule_.reset();
+  ++map_id_;
+  state_ = TrackingState::kInitializing;
+  frames_without_pose_ = 0;
+  last_motion_ = Rigid3();
+}
+
+FrontEndOutput FrontEnd::process(const TrackedFrame& frame,
+                                 const std::function<std::vector<Track>()>& detect) {
+  FrontEndOutput output;
+  output.result.stamp_ns = frame.stamp_ns;
+  locate(frame, &output);
+  const bool first = window_.map().keyframes().empty();
+  if (!output.restart_tracking &&
+      (first || keyframe_rule_.isKeyframe(frame, window_.camera()))) {
+    makeKeyframe(frame, detect(), &output);
+  }
+  output.result.state = state_;
+  output.result.map_id = map_id_;
+  output.result.world_from_camera = world_from_camera_;
+  output.result.calibration_revision = window_.generation();
+  if (output.result.sentence.empty()) {
+    output.result.sentence = state_ == TrackingState::kTracking
+                                 ? std::to_string(frame.tracks.size()) + " features tracked"
+                                 : "waiting for an image with enough texture";
+  }
+  last_stamp_ns_ = frame.stamp_ns;
+  return output;
+}
+
+void FrontEnd::locate(const TrackedFrame& frame, FrontEndOutput* output) {
+  if (window_.map().keyframes().empty()) return;
+  const PoseEstimate still = window_.localize(frame, world_from_camera_);
+  PoseEstimate pose = window_.localize(frame, world_from_camera_ * last_motion_);
+  if (!pose.usable || (still.usable && still.residual_scale < pose.residual_scale)) pose = still;
+  const bool located = pose.usable && pose.inliers >= kMinTracks;
+  if (located) {
+    last_motion_ = world_from_camera_.inverse() * pose.world_from_camera;
+    world_from_camera_ = pose.world_from_camera;
+    output->result.pose_covariance = pose.covariance;
+    state_ = TrackingState::kTracking;
+    // While the intrinsics are unknown a track that does not fit may be right.
+    for (std::size_t t = 0; handed_over_ && t < frame.tracks.size(); ++t) {
+      if (pose.inlier[t] == 0) output->outliers.push_back(frame.tracks[t].id);
+    }
+  }
+  updateLoss(frame, located ? pose.inliers : 0, output);
+}
+
+void FrontEnd::updateLoss(const TrackedFrame& frame, int inliers, FrontEndOutput* output) {
+  if (inliers >= kMinTracks) {
+    frames_without_pose_ = 0;
+    return;
+  }
+  ++frames_without_pose_;
+  output->result.sentence = "only " + std::to_string(frame.tracks.size()) +
+                            " features could be followed; " + std::to_string(kMinTracks) +
+                            " are needed: slow down, or show the camera some texture";
+  if (frames_without_pose_ < kFramesUntilLost) return;
+  const bool was_tracking = state_ == TrackingState::kTracking;
+  const Rigid3 last_pose = world_from_camera_;
+  resetMap();
+  world_from_camera_ = last_pose;
+  output->restart_tracking = true;
+  if (!was_tracking) return;
+  state_ = TrackingState::kLost;
+  output->events.push_back({EventType::kLost, frame.stamp_ns, frame.stamp_ns,
+                            "tracking was lost; the calibration is kept and a new map begins"});
+}
+
+void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected,
+                            FrontEndOutput* output) {
+  TrackedFrame whole = frame;
+  const auto is_outlier = [&](const Track& track) {
+    return std::find(output->outliers.begin(), output->outliers.end(), track.id) !=
+           output->outliers.end();
+  };
+  whole.tracks.erase(std::remove_if(whole.tracks.begin(), whole.tracks.end(), is_outlier),
+                     whole.tracks.end());
+  whole.tracks.insert(whole.tracks.end(), detected.begin(), detected.end());
+  if (static_cast<int>(whole.tracks.size()) < kMinTracks) return;
+
+  Keyframe keyframe;
+  keyframe.id = keyframes_++;
+  keyframe.stamp_ns = frame.stamp_ns;
+  keyframe.world_from_camera = world_from_camera_;
+  const double seconds = 1e-9 * static_cast<double>(frame.stamp_ns - last_stamp_ns_);
+  if (seconds > 0.0 && keyframe.id > 0) keyframe.velocity = logSe3(last_motion_) / seconds;
+  for (const std::int64_t id : window_.addKeyframe(keyframe, whole.tracks)) {
+    output->outliers.push_back(id);
+  }
+  world_from_camera_ = window_.newestPose();
+  keyframe_rule_.setKeyframe(whole);
+  output->result.is_keyframe = true;
+  output->result.keyframe_id = keyframe.id;
+  KeyframeMessage message;
+  message.keyframes = keyframes_;
+  message.candidate = window_.map().lastKeyframes(options_.segment_keyframes, window_.camera());
+  if (!handed_over_) {
+    message.history = window_.map().lastKeyframes(options_.startup_keyframes, window_.camera());
+  }
+  output->keyframe = std::move(message);
+}
+
+}  // namespace camera_self_calibration

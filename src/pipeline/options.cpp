@@ -1,0 +1,37 @@
+#include "camera_self_calibration/pipeline/options.h"
+
+namespace camera_self_calibration {
+
+double Options::convergedRms(int width) const {
+  constexpr double kPixelsPerWidth = 1.0 / 640.0;
+  return converged_pixel_rms > 0.0 ? converged_pixel_rms : kPixelsPerWidth * width;
+}
+
+std::vector<std::string> Options::problems() const {
+  std::vector<std::string> list = tracker.problems();
+  for (const std::string& problem : keyframe.problems()) list.push_back(problem);
+  const auto atLeast = [&list](const char* name, int value, int low) {
+    if (value >= low) return;
+    list.push_back(std::string(name) + " is " + std::to_string(value) + ", it must be at least " +
+                   std::to_string(low));
+  };
+  atLeast("sliding_window_keyframes", sliding_window_keyframes, 3);
+  atLeast("segment_keyframes", segment_keyframes, 5);
+  atLeast("queue_segments", queue_segments, 2);
+  atLeast("startup_keyframes", startup_keyframes, segment_keyframes);
+  atLeast("solver_threads", solver_threads, 1);
+  atLeast("max_queued_images", max_queued_images, 1);
+  if (!(alpha > 0.0 && alpha < 1.0)) {
+    list.push_back("alpha is " + std::to_string(alpha) + ", it must lie between 0 and 1");
+  }
+  if (!(converged_pixel_rms >= 0.0)) {
+    list.push_back("converged_pixel_rms is " + std::to_string(converged_pixel_rms) +
+                   ", it must be positive, or 0 for 1 px per 640 px of width");
+  }
+  if (initial_camera && (!initial_camera->valid() || initial_camera->model() != model)) {
+    list.push_back("initial_camera must be a valid camera of the model " + toString(model));
+  }
+  return list;
+}
+
+}  // namespace camera_self_calibration
