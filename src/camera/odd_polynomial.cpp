@@ -83,7 +83,7 @@ std::optional<double> OddPolynomial::inverse(double y, double limit) const {
     (error > 0.0 ? hi : lo) = x;
     double next = x - error / slope(x);
     if (!(next >= lo && next <= hi)) next = 0.5 * (lo + hi);
-    const bool done = std::abs(next - x) <= 1e-16 * limit;
+    const bool done = std::abs(next - x) <= 1e-15 * limit;
     x = next;
     if (done) break;
   }

@@ -7,27 +7,37 @@
 namespace camera_self_calibration {
 namespace {
 
-// Angle to the axis divided by the radius, a(R, z) = atan2(R, z) / R, and its slope (da/dR) / R.
+// Angle to the axis divided by the radius, a(R, z) = atan2(R, z) / R, and its derivatives.
 struct AngleRatio {
   double value;
-  double slope;
+  double slope;          // (da/dR) / R
+  double inverse_norm2;  // 1 / (R^2 + z^2) = -da/dz
 };
 
-// Both by their series in (R/z)^2 near the axis, where the closed forms cancel or divide 0 by 0.
-// Truncation and cancellation are both below 1e-12 at the branch.
-inline AngleRatio angleRatio(double radius2, double z) {
+// By series in (R/z)^2 near the axis, where the closed forms cancel or divide 0 by 0. Truncation
+// and cancellation are both below 1e-12 at the branch.
+inline AngleRatio angleRatio(double radius2, double z, bool derivatives) {
+  AngleRatio ratio;
   if (z > 0.0 && radius2 < 2.5e-3 * z * z) {
-    const double inverse_z2 = 1.0 / (z * z);
-    const double t = -radius2 * inverse_z2;
-    const double value =
-        1.0 + t * (1.0 / 3 + t * (1.0 / 5 + t * (1.0 / 7 + t * (1.0 / 9 + t * (1.0 / 11)))));
+    const double inverse_z = 1.0 / z;
+    const double t = -radius2 * inverse_z * inverse_z;
+    ratio.value =
+        inverse_z *
+        (1.0 + t * (1.0 / 3 + t * (1.0 / 5 + t * (1.0 / 7 + t * (1.0 / 9 + t * (1.0 / 11))))));
+    if (!derivatives) return ratio;
     const double slope =
         2.0 / 3 + t * (4.0 / 5 + t * (6.0 / 7 + t * (8.0 / 9 + t * (10.0 / 11 + t * 12.0 / 13))));
-    return {value / z, -slope * inverse_z2 / z};
+    ratio.slope = -slope * inverse_z * inverse_z * inverse_z;
+    ratio.inverse_norm2 = 1.0 / (radius2 + z * z);
+    return ratio;
   }
   const double radius = std::sqrt(radius2);
-  const double value = std::atan2(radius, z) / radius;
-  return {value, (z / (radius2 + z * z) - value) / radius2};
+  const double inverse_radius = 1.0 / radius;
+  ratio.value = std::atan2(radius, z) * inverse_radius;
+  if (!derivatives) return ratio;
+  ratio.inverse_norm2 = 1.0 / (radius2 + z * z);
+  ratio.slope = (z * ratio.inverse_norm2 - ratio.value) * inverse_radius * inverse_radius;
+  return ratio;
 }
 
 inline bool isFinite(const Eigen::Vector2d& v) {
@@ -53,21 +63,20 @@ struct Camera::AxialScale {
 // s = atan2(k r, z) / (w r), k = 2 tan(w/2): finite as z -> 0+, as r -> 0 and as w -> 0.
 void Camera::fovScale(double r2, double z, bool derivatives, AxialScale* scale) const {
   const double k2 = fov_k_ * fov_k_;
-  const AngleRatio ratio = angleRatio(k2 * r2, z);
+  const AngleRatio ratio = angleRatio(k2 * r2, z, derivatives);
   scale->s = fov_k_by_w_ * ratio.value;
   if (!derivatives) return;
-  const double inverse_norm2 = 1.0 / (k2 * r2 + z * z);
   scale->s_r_by_r = fov_k_by_w_ * k2 * ratio.slope;
-  scale->s_z = -fov_k_by_w_ * inverse_norm2;
+  scale->s_z = -fov_k_by_w_ * ratio.inverse_norm2;
   // ds/dw = (dk/dw - k/w)/w z/(k^2 r^2 + z^2) + k/w^2 (z/(k^2 r^2 + z^2) - ratio); the last
   // bracket is k^2 r^2 slope, which does not cancel.
-  scale->s_k[0] =
-      fov_dk_by_w_ * z * inverse_norm2 + fov_k_by_w_ * fov_k_by_w_ * fov_k_ * r2 * ratio.slope;
+  scale->s_k[0] = fov_dk_by_w_ * z * ratio.inverse_norm2 +
+                  fov_k_by_w_ * fov_k_by_w_ * fov_k_ * r2 * ratio.slope;
 }
 
 // s = theta (1 + k1 theta^2 + ... + k4 theta^8) / r, theta = atan2(r, z).
 bool Camera::equidistantScale(double r2, double z, bool derivatives, AxialScale* scale) const {
-  const AngleRatio ratio = angleRatio(r2, z);
+  const AngleRatio ratio = angleRatio(r2, z, derivatives);
   const double t = ratio.value * ratio.value * r2;  // theta^2
   if (!(t < max_radius2_)) return false;
   const double* k = parameters_.data() + 4;
@@ -76,9 +85,9 @@ bool Camera::equidistantScale(double r2, double z, bool derivatives, AxialScale*
   if (!derivatives) return true;
   // (d gain / d theta) / theta
   const double gain_slope = 2.0 * k[0] + t * (4.0 * k[1] + t * (6.0 * k[2] + t * 8.0 * k[3]));
-  const double inverse_norm2 = 1.0 / (r2 + z * z);
-  scale->s_r_by_r = ratio.slope * gain + ratio.value * ratio.value * gain_slope * z * inverse_norm2;
-  scale->s_z = -(gain + t * gain_slope) * inverse_norm2;
+  scale->s_r_by_r =
+      ratio.slope * gain + ratio.value * ratio.value * gain_slope * z * ratio.inverse_norm2;
+  scale->s_z = -(gain + t * gain_slope) * ratio.inverse_norm2;
   scale->s_k[0] = ratio.value * t;
   for (int i = 1; i < 4; ++i) scale->s_k[i] = scale->s_k[i - 1] * t;
   return true;

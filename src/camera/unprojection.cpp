@@ -86,9 +86,10 @@ std::optional<Eigen::Vector3d> Camera::unprojectRadtan(const Eigen::Vector2d& di
   Matrix23d j;
   if (!project(point, &pixel, &j)) return std::nullopt;
   Eigen::Vector2d error = (pixel - target).cwiseQuotient(scale);
-  for (int i = 0; i < 50 && error.norm() > 5e-16; ++i) {
+  for (int i = 0; i < 50; ++i) {
     const Eigen::Matrix2d slope = scale.cwiseInverse().asDiagonal() * j.leftCols<2>();
     Eigen::Vector2d step = -slope.inverse() * error;
+    if (step.squaredNorm() < 1e-30 * (1.0 + inner * inner)) break;  // below rounding
     Eigen::Vector3d next = point;
     Eigen::Vector2d next_error;
     int halvings = 0;
@@ -98,7 +99,7 @@ std::optional<Eigen::Vector3d> Camera::unprojectRadtan(const Eigen::Vector2d& di
       next_error = (pixel - target).cwiseQuotient(scale);
       if (next_error.squaredNorm() < error.squaredNorm()) break;
     }
-    if (halvings == 40) break;  // The residual is at the level of rounding, or of a fold.
+    if (halvings == 40) break;  // at rounding, or at a fold
     point = next;
     error = next_error;
   }

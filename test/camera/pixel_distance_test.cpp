@@ -1,0 +1,167 @@
+#include "camera_self_calibration/camera/pixel_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "camera/sample_cameras.h"
+#include "camera_self_calibration/geometry/so3.h"
+
+namespace camera_self_calibration {
+namespace {
+
+IntrinsicsMatrix exampleCovariance(const Camera& camera) {
+  const int n = camera.estimatedCount();
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  IntrinsicsMatrix root(n, n);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) root(i, j) = (i < 4 ? 0.2 : 1e-4) * normal(random);
+  }
+  return root * root.transpose();
+}
+
+TEST(PixelUncertainty, AgreesWithDisturbedCameras) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  for (const Camera& camera :
+       {sampleCameras()[3], sampleCameras()[10], sampleCameras()[15], sampleCameras()[0]}) {
+    const IntrinsicsMatrix covariance = exampleCovariance(camera);
+    const IntrinsicsMatrix root = covariance.llt().matrixL();
+    const int n = camera.estimatedCount();
+    double sum = 0.0;
+    constexpr int kSamples = 400;
+    for (int i = 0; i < kSamples; ++i) {
+      Intrinsics noise(n);
+      for (int j = 0; j < n; ++j) noise[j] = normal(random);
+      Camera disturbed = camera;
+      disturbed.setParameters(camera.parameters() + root * noise);
+      sum += std::pow(pixelDistance(camera, disturbed).rms, 2);
+    }
+    const double sampled = std::sqrt(sum / kSamples);
+    const PixelError predicted = pixelUncertainty(camera, covariance);
+    EXPECT_NEAR(predicted.rms / sampled, 1.0, 0.1) << describe(camera);
+    EXPECT_GT(predicted.max, predicted.rms);
+  }
+}
+
+TEST(PixelUncertainty, ScalesWithSigmaAndVanishesWithIt) {
+  const Camera camera = sampleCameras()[3];
+  const IntrinsicsMatrix covariance = exampleCovariance(camera);
+  const PixelError once = pixelUncertainty(camera, covariance);
+  const PixelError twice = pixelUncertainty(camera, 4.0 * covariance);
+  EXPECT_NEAR(twice.rms, 2.0 * once.rms, 1e-12 * once.rms);
+  EXPECT_NEAR(twice.max, 2.0 * once.max, 1e-12 * once.max);
+  EXPECT_EQ(pixelUncertainty(camera, IntrinsicsMatrix::Zero(5, 5)).max, 0.0);
+}
+
+// A narrow pinhole camera's principal point is nearly a rotation of the camera.
+TEST(PixelUncertainty, DoesNotCountWhatARotationAbsorbs) {
+  const Camera narrow = camera640(CameraModel::kPinhole, {6000, 6000, 319.5, 239.5});
+  IntrinsicsMatrix covariance = IntrinsicsMatrix::Zero(4, 4);
+  covariance(2, 2) = 1.0;
+  EXPECT_LT(pixelUncertainty(narrow, covariance).rms, 0.01);
+  covariance.setZero();
+  covariance(0, 0) = 1.0;  // fx is no rotation: x / f for 1 px of focal length
+  EXPECT_NEAR(pixelUncertainty(narrow, covariance).rms, 640.0 / std::sqrt(12.0) / 6000.0, 0.003);
+}
+
+TEST(PixelUncertainty, InfiniteWithoutAFiniteCovariance) {
+  const Camera camera = sampleCameras()[3];
+  IntrinsicsMatrix covariance = exampleCovariance(camera);
+  covariance(1, 1) = std::numeric_limits<double>::infinity();
+  EXPECT_TRUE(std::isinf(pixelUncertainty(camera, covariance).rms));
+  covariance(1, 1) = std::nan("");
+  EXPECT_TRUE(std::isinf(pixelUncertainty(camera, covariance).max));
+  EXPECT_TRUE(std::isinf(pixelUncertainty(camera, IntrinsicsMatrix::Identity(4, 4)).rms));
+  EXPECT_TRUE(std::isinf(pixelUncertainty(Camera(), IntrinsicsMatrix::Identity(4, 4)).rms));
+}
+
+TEST(PixelUncertainty, HeldK3IsNoPartOfIt) {
+  Camera camera = sampleCameras()[11];
+  ASSERT_EQ(camera.parameterCount(), 9);
+  EXPECT_TRUE(std::isfinite(pixelUncertainty(camera, exampleCovariance(camera)).rms));
+  camera.setEstimateK3(true);
+  EXPECT_TRUE(std::isinf(pixelUncertainty(camera, IntrinsicsMatrix::Identity(8, 8)).rms));
+  EXPECT_TRUE(std::isfinite(pixelUncertainty(camera, exampleCovariance(camera)).rms));
+}
+
+TEST(PixelDistance, ZeroToItself) {
+  for (const Camera& camera : sampleCameras()) {
+    EXPECT_LT(pixelDistance(camera, camera).max, 1e-9) << describe(camera);
+  }
+}
+
+// A shift of the principal point by 11 px is nearly a rotation of a narrow camera.
+TEST(PixelDistance, RemovesTheRotation) {
+  const Camera a = camera640(CameraModel::kPinhole, {2000, 2000, 319.5, 239.5});
+  const Camera b = camera640(CameraModel::kPinhole, {2000, 2000, 329.5, 234.5});
+  const PixelError error = pixelDistance(a, b);
+  EXPECT_LT(error.max, 0.5);
+  EXPECT_GT(error.max, 0.01);
+}
+
+// The minimum over rotations found by hand: no small rotation about it does better.
+TEST(PixelDistance, IsTheMinimumOverRotations) {
+  const Camera a = sampleCameras()[3];
+  const Camera b = camera640(CameraModel::kFov, {286, 273, 306, 247, 0.95});
+  const auto rmsAt = [&](const Eigen::Vector3d& omega) {
+    double sum = 0.0;
+    int count = 0;
+    for (int row = 0; row < 30; ++row) {
+      for (int column = 0; column < 40; ++column) {
+        const Eigen::Vector2d pixel(column * 639.0 / 39.0, row * 479.0 / 29.0);
+        const auto ray = a.unproject(pixel);
+        Eigen::Vector2d other;
+        if (!ray || !b.project(expSo3(omega) * *ray, &other)) continue;
+        sum += (other - pixel).squaredNorm();
+        ++count;
+      }
+    }
+    return std::sqrt(sum / count);
+  };
+  // Coordinate descent with shrinking steps.
+  Eigen::Vector3d omega = Eigen::Vector3d::Zero();
+  for (double step = 0.02; step > 1e-7; step *= 0.5) {
+    for (bool moved = true; moved;) {
+      moved = false;
+      for (int i = 0; i < 6; ++i) {
+        const Eigen::Vector3d next = omega + (i < 3 ? step : -step) * Eigen::Vector3d::Unit(i % 3);
+        if (rmsAt(next) < rmsAt(omega)) {
+          omega = next;
+          moved = true;
+        }
+      }
+    }
+  }
+  EXPECT_NEAR(pixelDistance(a, b).rms, rmsAt(omega), 1e-4);
+  EXPECT_LT(pixelDistance(a, b).rms, 0.9 * rmsAt(Eigen::Vector3d::Zero()));
+}
+
+TEST(PixelDistance, ComparesModels) {
+  const Camera pinhole = camera640(CameraModel::kPinhole, {320, 330, 300, 250});
+  EXPECT_LT(
+      pixelDistance(pinhole, camera640(CameraModel::kRadtan, {320, 330, 300, 250, 0, 0, 0, 0})).max,
+      1e-9);
+  EXPECT_LT(pixelDistance(pinhole, camera640(CameraModel::kFov, {320, 330, 300, 250, 1e-6})).max,
+            1e-6);
+  EXPECT_GT(pixelDistance(pinhole, camera640(CameraModel::kFov, {320, 330, 300, 250, 1.0})).rms,
+            5.0);
+}
+
+TEST(PixelDistance, RadiusLimitsTheGrid) {
+  const Camera a = sampleCameras()[10];
+  Camera b = a;
+  Intrinsics parameters = a.parameters();
+  parameters[5] += 0.05;  // k2 tells at the edge only
+  b.setParameters(parameters);
+  EXPECT_LT(pixelDistance(a, b, 150.0).max, 0.1 * pixelDistance(a, b).max);
+  EXPECT_TRUE(std::isinf(pixelDistance(a, b, -1.0).rms));
+  EXPECT_TRUE(std::isinf(pixelDistance(Camera(), b).rms));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
