@@ -1,0 +1,30 @@
+#pragma once
+
+#include <opencv2/core.hpp>
+#include <vector>
+
+#include "camera_self_calibration/tracking/pyramid.h"
+
+namespace camera_self_calibration {
+
+/// Where a lens leaves the sensor dark: regions at the image border that have been dark in every
+/// image so far. The edge of such a region stands still, whatever the camera does, and would be a
+/// false feature. Kept at a quarter of the resolution.
+class FieldMask {
+ public:
+  void add(const ImagePyramid& image);
+  void clear() { brightest_.release(); }
+
+  /// Finds the dark regions from the images added so far; contains() answers by them.
+  void update();
+
+  /// Whether the square of half width `radius` [px] around a pixel touches a dark region.
+  bool touches(int x, int y, int radius) const;
+
+ private:
+  cv::Mat brightest_;
+  cv::Mat dark_;
+  std::vector<cv::Point> pending_;
+};
+
+}  // namespace camera_self_calibration

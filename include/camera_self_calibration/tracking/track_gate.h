@@ -1,0 +1,34 @@
+#pragma once
+
+#include <vector>
+
+#include "camera_self_calibration/tracking/patch_registration.h"
+
+namespace camera_self_calibration {
+
+/// Decides whether registrations are to be believed, and how precise they are. Learns the noise of
+/// the camera's gray values from what registrations leave over.
+class TrackGate {
+ public:
+  void reset() { *this = TrackGate(); }
+
+  /// Standard deviation of the registered pixel per axis [px].
+  double sigma(const Registration& registration) const;
+
+  /// Whether the patch is still the same piece of the world: the difference left over is explained
+  /// by noise and by a small share of the patch's contrast, and the position is well determined.
+  bool accepts(const Registration& registration) const;
+
+  /// Learns from the accepted registrations of one image.
+  void learn(const std::vector<Registration>& registrations);
+
+  /// Variance of the difference between two registered patches that is due to noise [gray^2].
+  double noise() const { return noise_; }
+
+ private:
+  double noise_ = 1.0;
+  int images_ = 0;
+  std::vector<double> residuals_;
+};
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,145 @@
+#include "camera_self_calibration/tracking/keyframe_rule.h"
+
+#include <Eigen/Core>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <unordered_map>
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr std::size_t kMinTracks = 8;  // For the first keyframe, and to judge motion by rays.
+constexpr int kReweightings = 2;
+// Share of min_parallax by which tracks must have moved before lost ones count: a person who walks
+// past a still camera takes tracks away, too.
+constexpr double kMovedShare = 0.25;
+
+// A track in the last keyframe and now.
+struct Pair {
+  Eigen::Vector2d before;
+  Eigen::Vector2d now;
+};
+
+std::vector<Pair> commonTracks(const TrackedFrame& last, const TrackedFrame& frame) {
+  std::unordered_map<std::int64_t, Eigen::Vector2d> before;
+  for (const Track& track : last.tracks) before.emplace(track.id, track.pixel);
+  std::vector<Pair> pairs;
+  for (const Track& track : frame.tracks) {
+    const auto found = before.find(track.id);
+    if (found != before.end()) pairs.push_back({found->second, track.pixel});
+  }
+  return pairs;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+double medianFlow(const std::vector<Pair>& pairs) {
+  std::vector<double> lengths;
+  for (const Pair& pair : pairs) lengths.push_back((pair.now - pair.before).norm());
+  return median(std::move(lengths));
+}
+
+struct RayPair {
+  Eigen::Vector3d before;
+  Eigen::Vector3d now;
+};
+
+std::vector<RayPair> unproject(const std::vector<Pair>& pairs, const Camera& camera) {
+  std::vector<RayPair> rays;
+  for (const Pair& pair : pairs) {
+    const std::optional<Eigen::Vector3d> before = camera.unproject(pair.before);
+    const std::optional<Eigen::Vector3d> now = camera.unproject(pair.now);
+    if (before && now) rays.push_back({*before, *now});
+  }
+  return rays;
+}
+
+// The rotation that minimises sum w |now - R before|^2 (Kabsch).
+Eigen::Matrix3d alignRays(const std::vector<RayPair>& rays, const std::vector<double>& weights) {
+  Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    correlation += weights[i] * rays[i].now * rays[i].before.transpose();
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d signs(1.0, 1.0, 1.0);
+  signs.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+}
+
+Eigen::Matrix3d robustRotation(const std::vector<RayPair>& rays) {
+  std::vector<double> weights(rays.size(), 1.0);
+  Eigen::Matrix3d rotation = alignRays(rays, weights);
+  for (int k = 0; k < kReweightings; ++k) {
+    std::vector<double> errors;
+    for (const RayPair& ray : rays) errors.push_back((ray.now - rotation * ray.before).norm());
+    const double scale = 1.5 * median(errors) + 1e-9;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      weights[i] = 1.0 / (1.0 + errors[i] * errors[i] / (scale * scale));
+    }
+    rotation = alignRays(rays, weights);
+  }
+  return rotation;
+}
+
+struct Motion {
+  double parallax = 0.0;  // [px] Median displacement beyond rotation.
+  double rotation = 0.0;  // [rad]
+};
+
+Motion measureMotion(const std::vector<Pair>& pairs, const Camera& camera) {
+  const std::vector<RayPair> rays = unproject(pairs, camera);
+  // Without rays nothing tells rotation from translation: all that moves counts.
+  if (rays.size() < kMinTracks) return {medianFlow(pairs), 0.0};
+  const Eigen::Matrix3d rotation = robustRotation(rays);
+  std::vector<double> residuals;
+  for (const RayPair& ray : rays) {
+    Eigen::Vector2d expected, now;
+    if (camera.project(rotation * ray.before, &expected) && camera.project(ray.now, &now)) {
+      residuals.push_back((now - expected).norm());
+    }
+  }
+  const double cosine = 0.5 * (rotation.trace() - 1.0);
+  return {median(std::move(residuals)), std::acos(std::clamp(cosine, -1.0, 1.0))};
+}
+
+}  // namespace
+
+bool KeyframeRule::isKeyframe(const TrackedFrame& frame, const Camera& camera) const {
+  if (last_.tracks.empty()) return frame.tracks.size() >= kMinTracks;
+  const std::vector<Pair> pairs = commonTracks(last_, frame);
+  if (pairs.empty() || frame.width <= 0) return false;
+  const double min_parallax = options_.min_parallax * frame.width;  // [px]
+  const Motion motion = measureMotion(pairs, camera);
+  if (motion.parallax >= min_parallax) return true;
+  if (motion.rotation >= options_.min_rotation_deg * M_PI / 180.0) return true;
+  const bool lost = static_cast<double>(pairs.size()) <
+                    options_.min_tracked_share * static_cast<double>(last_.tracks.size());
+  return lost && medianFlow(pairs) >= kMovedShare * min_parallax;
+}
+
+std::vector<std::string> KeyframeOptions::problems() const {
+  std::vector<std::string> found;
+  if (!(min_parallax > 0.0 && min_parallax < 1.0)) {
+    found.push_back("min_parallax must lie between 0 and 1 image widths; it is " +
+                    std::to_string(min_parallax) + ".");
+  }
+  if (!(min_rotation_deg > 0.0 && min_rotation_deg < 180.0)) {
+    found.push_back("min_rotation_deg must lie between 0 and 180 degrees; it is " +
+                    std::to_string(min_rotation_deg) + ".");
+  }
+  if (!(min_tracked_share >= 0.0 && min_tracked_share <= 1.0)) {
+    found.push_back("min_tracked_share must lie between 0 and 1; it is " +
+                    std::to_string(min_tracked_share) + ".");
+  }
+  return found;
+}
+
+}  // namespace camera_self_calibration

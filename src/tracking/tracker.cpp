@@ -1,0 +1,239 @@
+#include "camera_self_calibration/tracking/tracker.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "camera_self_calibration/tracking/field_mask.h"
+#include "camera_self_calibration/tracking/flow_prediction.h"
+#include "camera_self_calibration/tracking/harris.h"
+#include "camera_self_calibration/tracking/patch_registration.h"
+#include "camera_self_calibration/tracking/pyramid.h"
+#include "camera_self_calibration/tracking/track_gate.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr int kBorder = ReferencePatch::kRawRadius + 1;  // [px] Around a corner when detected.
+constexpr int kMaskRadius = ReferencePatch::kRawRadius;
+constexpr int kSaturated = 250;             // [gray]
+constexpr double kMaxSaturatedShare = 0.25;  // Of a patch.
+constexpr double kSpread = 0.4;  // Least distance, against that of features on a square grid.
+
+bool saturated(const cv::Mat& image, int x, int y) {
+  constexpr int r = PatchPoints::kRadius;
+  int count = 0;
+  for (int row = y - r; row <= y + r; ++row) {
+    const std::uint8_t* pixels = image.ptr<std::uint8_t>(row);
+    for (int column = x - r; column <= x + r; ++column) count += pixels[column] >= kSaturated;
+  }
+  return count > kMaxSaturatedShare * (2 * r + 1) * (2 * r + 1);
+}
+
+}  // namespace
+
+struct Tracker::Impl {
+  // Beside the public Track of the same index.
+  struct State {
+    Warp warp;
+    Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  // [px per image]
+    std::size_t patch = 0;                               // Index in patches.
+  };
+
+  explicit Impl(const TrackerOptions& o) : options(o) {
+    const auto capacity = static_cast<std::size_t>(options.max_features);
+    patches.resize(capacity);
+    for (std::size_t i = capacity; i > 0; --i) free_patches.push_back(i - 1);
+  }
+
+  double minDistance() const;
+  void restart();
+  void load(const ImageView& image);
+  void advance();
+  void predict();
+  bool registerTrack(std::size_t i);
+  template <typename Keep>
+  void keepIf(const Keep& keep);
+  bool crowded(const Corner& corner) const;
+  bool begin(const Corner& corner);
+
+  TrackerOptions options;
+  bool usable = false;  // Whether the image tracked last was an image.
+  std::int64_t next_id = 0;
+  TrackedFrame frame;
+  TrackedFrame nothing;
+  std::vector<State> states;
+  std::vector<ReferencePatch> patches;
+  std::vector<std::size_t> free_patches;
+
+  ImagePyramid previous;
+  ImagePyramid current;
+  FieldMask mask;
+  FlowPrediction flow;
+  PatchRegistration registration;
+  TrackGate gate;
+  HarrisDetector harris;
+  std::vector<cv::Point2f> from;
+  std::vector<cv::Point2f> predicted;
+  std::vector<Registration> accepted;
+};
+
+double Tracker::Impl::minDistance() const {
+  if (options.min_distance_px > 0.0) return options.min_distance_px;
+  const double area = static_cast<double>(frame.width) * frame.height;
+  return kSpread * std::sqrt(area / options.max_features);
+}
+
+void Tracker::Impl::restart() {
+  keepIf([](std::size_t) { return false; });
+  current.clear();
+  previous.clear();
+  mask.clear();
+  gate.reset();
+}
+
+void Tracker::Impl::load(const ImageView& image) {
+  if (current.size() != cv::Size(image.width, image.height)) restart();
+  std::swap(previous, current);
+  current.build(image);
+  mask.add(current);
+  frame.stamp_ns = image.stamp_ns;
+  frame.width = image.width;
+  frame.height = image.height;
+}
+
+void Tracker::Impl::predict() {
+  from.clear();
+  predicted.clear();
+  for (const State& state : states) {
+    const Eigen::Vector2f at = state.warp.pixel.cast<float>();
+    const Eigen::Vector2f guess = (state.warp.pixel + state.velocity).cast<float>();
+    from.emplace_back(at.x(), at.y());
+    predicted.emplace_back(guess.x(), guess.y());
+  }
+  flow.run(previous, current, from, &predicted);
+}
+
+bool Tracker::Impl::registerTrack(std::size_t i) {
+  if (!flow.found(i)) return false;
+  State& state = states[i];
+  const Warp start{{predicted[i].x, predicted[i].y}, state.warp.linear};
+  const Registration result = registration.run(&patches[state.patch], current, start);
+  if (!gate.accepts(result)) return false;
+  state.velocity = result.warp.pixel - state.warp.pixel;
+  state.warp = result.warp;
+  frame.tracks[i].pixel = result.warp.pixel;
+  frame.tracks[i].sigma = gate.sigma(result);
+  accepted.push_back(result);
+  return true;
+}
+
+void Tracker::Impl::advance() {
+  predict();
+  accepted.clear();
+  keepIf([this](std::size_t i) { return registerTrack(i); });
+  gate.learn(accepted);
+}
+
+// Calls keep(i) once for each track, in order, and ends those for which it is false.
+template <typename Keep>
+void Tracker::Impl::keepIf(const Keep& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (keep(i)) {
+      states[kept] = states[i];
+      frame.tracks[kept++] = frame.tracks[i];
+    } else {
+      free_patches.push_back(states[i].patch);
+    }
+  }
+  states.resize(kept);
+  frame.tracks.resize(kept);
+}
+
+bool Tracker::Impl::crowded(const Corner& corner) const {
+  const double distance = minDistance();
+  const Eigen::Vector2d pixel(corner.x, corner.y);
+  return std::any_of(frame.tracks.begin(), frame.tracks.end(), [&](const Track& track) {
+    return (track.pixel - pixel).squaredNorm() < distance * distance;
+  });
+}
+
+bool Tracker::Impl::begin(const Corner& corner) {
+  const std::size_t slot = free_patches.back();
+  ReferencePatch& patch = patches[slot];
+  patch.cut(current.level(0), corner.x, corner.y);
+  const Warp warp{{static_cast<double>(corner.x), static_cast<double>(corner.y)},
+                  Eigen::Matrix2d::Identity()};
+  // Registered on itself: what sigma the next images are to expect.
+  const Registration itself = registration.run(&patch, current, warp);
+  if (!gate.accepts(itself)) return false;
+  free_patches.pop_back();
+  states.push_back({warp, Eigen::Vector2d::Zero(), slot});
+  frame.tracks.push_back({next_id++, warp.pixel, warp.pixel, gate.sigma(itself)});
+  return true;
+}
+
+Tracker::Tracker(const TrackerOptions& options) {
+  const std::vector<std::string> problems = options.problems();
+  if (!problems.empty()) {
+    std::string message = "TrackerOptions:";
+    for (const std::string& problem : problems) message += " " + problem;
+    throw std::invalid_argument(message);
+  }
+  impl_ = std::make_unique<Impl>(options);
+}
+
+Tracker::~Tracker() = default;
+
+const TrackedFrame& Tracker::track(const ImageView& image) {
+  impl_->usable = ImagePyramid::usable(image);
+  if (!impl_->usable) {
+    impl_->nothing.stamp_ns = image.stamp_ns;
+    return impl_->nothing;
+  }
+  impl_->load(image);
+  impl_->advance();
+  return impl_->frame;
+}
+
+std::vector<Track> Tracker::detect() {
+  std::vector<Track> started;
+  if (!impl_->usable) return started;
+  impl_->mask.update();
+  const double area = static_cast<double>(impl_->frame.width) * impl_->frame.height;
+  const int cell = std::max(1, static_cast<int>(std::sqrt(area / impl_->options.max_features)));
+  for (const Corner& corner : impl_->harris.detect(impl_->current, kBorder, cell)) {
+    if (impl_->free_patches.empty()) break;
+    if (impl_->crowded(corner) || impl_->mask.touches(corner.x, corner.y, kMaskRadius)) continue;
+    if (saturated(impl_->current.level(0), corner.x, corner.y)) continue;
+    if (impl_->begin(corner)) started.push_back(impl_->frame.tracks.back());
+  }
+  return started;
+}
+
+void Tracker::drop(const std::vector<std::int64_t>& ids) {
+  impl_->keepIf([&](std::size_t i) {
+    return std::find(ids.begin(), ids.end(), impl_->frame.tracks[i].id) == ids.end();
+  });
+}
+
+void Tracker::reset() {
+  impl_->restart();
+  impl_->usable = false;
+}
+
+std::vector<std::string> TrackerOptions::problems() const {
+  std::vector<std::string> found;
+  if (max_features < 1 || max_features > 10000) {
+    found.push_back("max_features must lie between 1 and 10000; it is " +
+                    std::to_string(max_features) + ".");
+  }
+  if (!(min_distance_px >= 0.0 && std::isfinite(min_distance_px))) {
+    found.push_back("min_distance_px must be 0 (chosen automatically) or a positive number of "
+                    "pixels.");
+  }
+  return found;
+}
+
+}  // namespace camera_self_calibration
