@@ -64,19 +64,20 @@ class Camera {
   /// Adds k3 (starting at 0 if absent) to the estimated parameters of a radtan camera, or holds it.
   void setEstimateK3(bool estimate);
 
-  /// Same length as parameters().
+  /// Same length as parameters(); any other length throws std::invalid_argument.
   void setParameters(const Intrinsics& parameters);
 
   /// "fx", "fy", ... in the order of parameters().
   std::vector<std::string> parameterNames() const;
 
   /// Finite values, fx, fy > 0, fov w in (0, pi).
-  bool valid() const;
+  bool valid() const { return valid_; }
 
   /// Projects a point (any positive scale) to a pixel. False, and outputs undefined, where the
-  /// model does not apply: not in front (pinhole, fov, radtan), beyond the radius up to which the
-  /// distortion is monotonic (radtan, equidistant), or not finite. The pixel may lie outside the
-  /// image. Derivatives are analytic; null pointers are skipped.
+  /// model does not apply: the camera is not valid(), the point is not in front (pinhole, fov,
+  /// radtan), beyond the radius up to which the distortion is monotonic (radtan, equidistant),
+  /// where the tangential terms fold the image (radtan), or not finite. The pixel may lie outside
+  /// the image. Derivatives are analytic; null pointers are skipped.
   bool project(const Eigen::Vector3d& point, Eigen::Vector2d* pixel, Matrix23d* d_point = nullptr,
                PixelIntrinsicsJacobian* d_parameters = nullptr) const;
 
@@ -88,18 +89,36 @@ class Camera {
   bool unproject(const Eigen::Vector2d& pixel, Eigen::Vector3d* ray,
                  RayIntrinsicsJacobian* d_parameters) const;
 
-  /// Whether a pixel lies in the image, at least `border` pixels from its edge.
+  /// Whether a pixel lies between the centres of the outermost pixels, at least `border` from them.
   bool inImage(const Eigen::Vector2d& pixel, double border = 0.0) const;
 
  private:
+  struct AxialScale;
+  void updateDerived();
+  bool axialScale(const Eigen::Vector3d& point, bool derivatives, AxialScale* scale) const;
+  void fovScale(double r2, double z, bool derivatives, AxialScale* scale) const;
+  bool equidistantScale(double r2, double z, bool derivatives, AxialScale* scale) const;
+  bool projectRadtan(const Eigen::Vector3d& point, Eigen::Vector2d* pixel, Matrix23d* d_point,
+                     PixelIntrinsicsJacobian* d_parameters) const;
+  std::optional<Eigen::Vector3d> unprojectFov(const Eigen::Vector2d& distorted) const;
+  std::optional<Eigen::Vector3d> unprojectRadtan(const Eigen::Vector2d& distorted) const;
+  std::optional<Eigen::Vector3d> unprojectEquidistant(const Eigen::Vector2d& distorted) const;
+
   CameraModel model_ = CameraModel::kPinhole;
   int width_ = 0;
   int height_ = 0;
   int estimated_count_ = 4;
   Intrinsics parameters_ = Intrinsics::Zero(4);
+
+  // Derived from the parameters alone, by updateDerived.
+  bool valid_ = false;
   // Largest angle (equidistant: theta) or normalised radius (radtan) at which the distortion still
-  // grows; derived by setParameters.
+  // grows.
   double max_radius_ = 0.0;
+  double max_radius2_ = 0.0;
+  double fov_k_ = 0.0;        // k = 2 tan(w/2)
+  double fov_k_by_w_ = 0.0;   // k / w
+  double fov_dk_by_w_ = 0.0;  // (dk/dw - k/w) / w
 };
 
 }  // namespace camera_self_calibration

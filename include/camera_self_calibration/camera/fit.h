@@ -9,12 +9,15 @@ namespace camera_self_calibration {
 
 struct CameraFit {
   Camera camera;
-  PixelError error;  ///< Direct distance (no rotation removed) to the source over the image.
+  /// Direct distance (no rotation removed) to the source over the image; infinite where the fit
+  /// cannot project a ray of the source.
+  PixelError error;
 };
 
 /// The camera of another model that projects most like `source` over its image (least squares in
 /// pixels over a grid; fov to equidistant starts from the closed form
-/// `s = 2 tan(w/2)/w, f_e = s f`). Nothing where no fit is possible (too few pixels have rays).
+/// `s = 2 tan(w/2)/w, f_e = s f`). A radtan fit has five coefficients. Nothing where no fit is
+/// possible (too few pixels have rays).
 std::optional<CameraFit> fitCamera(const Camera& source, CameraModel target);
 
 }  // namespace camera_self_calibration

@@ -5,7 +5,7 @@
 namespace camera_self_calibration {
 
 /// An error over the image, in pixels: root mean square and largest value over a 40 x 30 grid of
-/// the pixels that have a ray.
+/// the pixels that have a ray, the image's border included.
 struct PixelError {
   double rms = 0.0;
   double max = 0.0;

@@ -1,0 +1,126 @@
+#include "camera_self_calibration/camera/fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "pixel_grid.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Sum of squares [px^2] over the grid; a ray that the camera cannot project counts as an error of
+// the image's size, so that the fit does not improve by refusing rays.
+double cost(const Camera& camera, const std::vector<PixelRay>& grid) {
+  const double refused =
+      static_cast<double>(camera.width()) * camera.width() + camera.height() * camera.height();
+  double sum = 0.0;
+  for (const PixelRay& point : grid) {
+    Eigen::Vector2d pixel;
+    sum += camera.project(point.ray, &pixel) ? (pixel - point.pixel).squaredNorm() : refused;
+  }
+  return sum;
+}
+
+struct NormalEquations {
+  IntrinsicsMatrix h;
+  Intrinsics g;
+};
+
+NormalEquations linearise(const Camera& camera, const std::vector<PixelRay>& grid) {
+  const int n = camera.parameterCount();
+  NormalEquations normal{IntrinsicsMatrix::Zero(n, n), Intrinsics::Zero(n)};
+  for (const PixelRay& point : grid) {
+    Eigen::Vector2d pixel;
+    PixelIntrinsicsJacobian j;
+    if (!camera.project(point.ray, &pixel, nullptr, &j)) continue;
+    normal.h += j.transpose() * j;
+    normal.g += j.transpose() * (pixel - point.pixel);
+  }
+  return normal;
+}
+
+// Levenberg-Marquardt over all parameters; returns the final cost.
+double refine(const std::vector<PixelRay>& grid, Camera* camera) {
+  double current = cost(*camera, grid);
+  double damping = 1e-4;
+  for (int i = 0; i < 100 && damping < 1e12; ++i) {
+    const NormalEquations normal = linearise(*camera, grid);
+    IntrinsicsMatrix h = normal.h;
+    h.diagonal() += damping * normal.h.diagonal() +
+                    Intrinsics::Constant(h.rows(), std::numeric_limits<double>::min());
+    Camera candidate = *camera;
+    candidate.setParameters(camera->parameters() - h.ldlt().solve(normal.g));
+    const double next = candidate.valid() ? cost(candidate, grid) : current;
+    if (next < current) {
+      const bool done = current - next < 1e-12 * current;
+      *camera = candidate;
+      current = next;
+      damping = std::max(0.1 * damping, 1e-15);
+      if (done) break;
+    } else {
+      damping *= 10.0;
+    }
+  }
+  return current;
+}
+
+// Cameras that agree with the source at the axis; several for fov, whose cost is not convex in w.
+std::vector<Camera> starts(const Camera& source, CameraModel target) {
+  if (source.model() == target) return {source};
+  Eigen::Vector2d pixel;
+  Matrix23d j;
+  if (!source.project(Eigen::Vector3d::UnitZ(), &pixel, &j)) return {};
+  Intrinsics p = Intrinsics::Zero(Camera::parameterCount(target));
+  // For a fov source this is the closed form f_e = s f, s = 2 tan(w/2) / w.
+  p.head<4>() << j(0, 0), j(1, 1), pixel.x(), pixel.y();
+  std::vector<Camera> cameras;
+  if (target == CameraModel::kFov) {
+    for (const double w : {0.1, 0.5, 0.9, 1.3, 1.8}) {
+      p.head<2>() = j.diagonal().head<2>() * w / (2.0 * std::tan(0.5 * w));
+      p[4] = w;
+      cameras.emplace_back(target, source.width(), source.height(), p);
+    }
+  } else {
+    cameras.emplace_back(target, source.width(), source.height(), p);
+    cameras.back().setEstimateK3(true);  // radtan: plumb_bob has five coefficients
+  }
+  return cameras;
+}
+
+PixelError directDistance(const Camera& camera, const std::vector<PixelRay>& grid) {
+  PixelError error;
+  double sum = 0.0;
+  for (const PixelRay& point : grid) {
+    Eigen::Vector2d pixel;
+    const double e = camera.project(point.ray, &pixel) ? (pixel - point.pixel).norm()
+                                                       : std::numeric_limits<double>::infinity();
+    sum += e * e;
+    error.max = std::max(error.max, e);
+  }
+  error.rms = std::sqrt(sum / grid.size());
+  return error;
+}
+
+}  // namespace
+
+std::optional<CameraFit> fitCamera(const Camera& source, CameraModel target) {
+  const std::vector<PixelRay> grid = pixelGrid(source);
+  if (grid.size() < 2 * kMaxIntrinsics) return std::nullopt;
+  std::optional<Camera> best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  for (Camera& camera : starts(source, target)) {
+    const double c = refine(grid, &camera);
+    if (c < best_cost) {
+      best = camera;
+      best_cost = c;
+    }
+  }
+  if (!best) return std::nullopt;
+  best->setEstimateK3(source.estimatedCount() == kMaxIntrinsics);
+  return CameraFit{*best, directDistance(*best, grid)};
+}
+
+}  // namespace camera_self_calibration

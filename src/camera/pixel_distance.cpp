@@ -1,0 +1,108 @@
+#include "camera_self_calibration/camera/pixel_distance.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "camera_self_calibration/geometry/so3.h"
+#include "pixel_grid.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct PointDerivatives {
+  PixelIntrinsicsJacobian a;  // d pixel / d intrinsics, estimated ones
+  Matrix23d b;                // d pixel / d rotation of the camera
+};
+
+std::vector<PointDerivatives> gridDerivatives(const Camera& camera) {
+  std::vector<PointDerivatives> all;
+  for (const PixelRay& point : pixelGrid(camera)) {
+    Eigen::Vector2d pixel;
+    Matrix23d j;
+    PixelIntrinsicsJacobian d_parameters;
+    if (!camera.project(point.ray, &pixel, &j, &d_parameters)) continue;
+    all.push_back({d_parameters.leftCols(camera.estimatedCount()), -j * skew(point.ray)});
+  }
+  return all;
+}
+
+struct RotationStep {
+  int projected = 0;
+  PixelError error;                                 // before the step
+  Eigen::Vector3d omega = Eigen::Vector3d::Zero();  // Gauss-Newton
+};
+
+RotationStep rotationStep(const std::vector<PixelRay>& grid, const Camera& b,
+                          const Eigen::Quaterniond& rotation) {
+  RotationStep step;
+  Eigen::Matrix3d h = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d g = Eigen::Vector3d::Zero();
+  double sum = 0.0;
+  for (const PixelRay& point : grid) {
+    const Eigen::Vector3d ray = rotation * point.ray;
+    Eigen::Vector2d pixel;
+    Matrix23d d_ray;
+    if (!b.project(ray, &pixel, &d_ray)) continue;
+    const Eigen::Vector2d residual = pixel - point.pixel;
+    const Matrix23d j = -d_ray * skew(ray);
+    h += j.transpose() * j;
+    g += j.transpose() * residual;
+    sum += residual.squaredNorm();
+    step.error.max = std::max(step.error.max, residual.norm());
+    ++step.projected;
+  }
+  if (step.projected == 0) return step;
+  step.error.rms = std::sqrt(sum / step.projected);
+  step.omega = -h.ldlt().solve(g);
+  return step;
+}
+
+}  // namespace
+
+PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance) {
+  const int n = camera.estimatedCount();
+  const PixelError unknown{kInfinity, kInfinity};
+  if (covariance.rows() != n || covariance.cols() != n || !covariance.allFinite()) return unknown;
+  const std::vector<PointDerivatives> grid = gridDerivatives(camera);
+  if (grid.empty()) return unknown;
+
+  Eigen::Matrix3d btb = Eigen::Matrix3d::Zero();
+  RayIntrinsicsJacobian bta = RayIntrinsicsJacobian::Zero(3, n);
+  for (const PointDerivatives& point : grid) {
+    btb += point.b.transpose() * point.b;
+    bta += point.b.transpose() * point.a;
+  }
+  const RayIntrinsicsJacobian absorbed = btb.ldlt().solve(bta);
+  double sum = 0.0;
+  double largest = 0.0;
+  for (const PointDerivatives& point : grid) {
+    // Design: A' = A - B (sum B^T B)^-1 sum B^T A; error covariance A' C A'^T.
+    const PixelIntrinsicsJacobian a = point.a - point.b * absorbed;
+    const double trace = (a * covariance * a.transpose()).trace();
+    sum += trace;
+    largest = std::max(largest, trace);
+  }
+  return {std::sqrt(std::max(0.0, sum / grid.size())), std::sqrt(largest)};
+}
+
+PixelError pixelDistance(const Camera& a, const Camera& b, double max_radius_px) {
+  const std::vector<PixelRay> grid = pixelGrid(a, max_radius_px);
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  PixelError best{kInfinity, kInfinity};
+  for (int i = 0; i < 20; ++i) {
+    const RotationStep step = rotationStep(grid, b, rotation);
+    if (step.projected == 0 || !step.omega.allFinite()) break;
+    if (step.error.rms < best.rms) best = step.error;
+    rotation = expSo3(step.omega) * rotation;
+    if (step.omega.norm() < 1e-12) break;
+  }
+  return best;
+}
+
+}  // namespace camera_self_calibration
