@@ -1,5 +1,6 @@
 #include "camera_self_calibration/simulation/segment_maker.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -38,9 +39,30 @@ Trajectory trajectoryOf(const SegmentOptions& options, const World& world, std::
   return syntheticMotion(motion);
 }
 
-std::int64_t stampOf(const SegmentOptions& options, int keyframe) {
-  const double time = options.start_s + keyframe * options.keyframe_interval_s;
-  return options.tracks.start_stamp_ns + static_cast<std::int64_t>(std::llround(1e9 * time));
+// Stamps of the warm-up frames and of the keyframes: as a keyframe rule would choose them.
+std::vector<std::int64_t> stampsOf(const SegmentOptions& options, const Trajectory& trajectory) {
+  const double largest_turn = options.keyframe_rotation_deg * M_PI / 180.0;
+  std::vector<double> times;
+  for (int k = -kWarmUpFrames; k <= 0; ++k) {
+    times.push_back(options.start_s + k * options.keyframe_interval_s);
+  }
+  for (int k = 1; k < options.keyframes; ++k) {
+    const Rigid3 last = trajectory.worldFromCamera(times.back());
+    double step = 0.0;
+    double turn = 0.0;
+    while (step < options.keyframe_interval_s && turn < largest_turn) {
+      step = std::min(step + 0.01, options.keyframe_interval_s);
+      const Rigid3 next = trajectory.worldFromCamera(times.back() + step);
+      turn = logSo3(last.rotation.conjugate() * next.rotation).norm();
+    }
+    times.push_back(times.back() + step);
+  }
+  std::vector<std::int64_t> stamps;
+  for (const double time : times) {
+    stamps.push_back(options.tracks.start_stamp_ns +
+                     static_cast<std::int64_t>(std::llround(1e9 * time)));
+  }
+  return stamps;
 }
 
 Keyframe keyframeAt(const FeatureTracks& tracks, std::int64_t stamp_ns, int index,
@@ -62,8 +84,9 @@ void detect(int keyframe, FeatureTracks* tracks, std::map<std::int64_t, Recorded
 std::map<std::int64_t, Recorded> record(const SegmentOptions& options, FeatureTracks* tracks,
                                         std::vector<Keyframe>* keyframes) {
   std::map<std::int64_t, Recorded> recorded;
+  const std::vector<std::int64_t> stamps = stampsOf(options, tracks->trajectory());
   for (int k = -kWarmUpFrames; k < options.keyframes; ++k) {
-    const std::int64_t stamp = stampOf(options, k);
+    const std::int64_t stamp = stamps[static_cast<std::size_t>(k + kWarmUpFrames)];
     for (const Track& track : tracks->track(stamp).tracks) {
       if (k < 0) continue;
       recorded[track.id].views.push_back(
@@ -110,6 +133,7 @@ std::vector<std::string> SegmentOptions::problems() const {
   if (keyframes < 2) found.push_back("a segment needs at least 2 keyframes");
   if (min_views < 2) found.push_back("min_views must be at least 2");
   if (!(keyframe_interval_s > 0.0)) found.push_back("keyframe_interval_s must be positive");
+  if (!(keyframe_rotation_deg > 0.0)) found.push_back("keyframe_rotation_deg must be positive");
   if (!(start_s >= kWarmUpFrames * keyframe_interval_s)) {
     found.push_back("start_s must be at least two keyframe intervals");
   }

@@ -25,10 +25,11 @@ struct SegmentOptions {
   Camera camera = Camera::defaultGuess(CameraModel::kFov, 640, 480);
   LandmarkOrigin origin = LandmarkOrigin::kMixed;
   int keyframes = 10;
-  double keyframe_interval_s = 0.2;
+  double keyframe_interval_s = 0.25;   ///< At most, between neighbours [s].
+  double keyframe_rotation_deg = 6.0;  ///< A turn by this much makes the next keyframe at once.
   double start_s = 1.0;  ///< Of the first keyframe, on the trajectory; at least two intervals.
   MotionKind motion = MotionKind::kHandheld;
-  double motion_speed = 0.7;             ///< See SyntheticMotionOptions::speed.
+  double motion_speed = 0.6;             ///< See SyntheticMotionOptions::speed.
   std::optional<Trajectory> trajectory;  ///< If given, in place of the synthetic motion.
   RoomOptions room;
   FeatureTracksOptions tracks;  ///< Noise, outliers, count; the seed is that of makeSegment.
