@@ -1,13 +1,12 @@
 #include "camera_self_calibration/tools/recording.h"
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <iomanip>
-#include <limits>
 #include <stdexcept>
 
+#include "camera_self_calibration/ros/messages.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/json.h"
 
@@ -15,17 +14,6 @@ namespace camera_self_calibration {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Of all parameters: 0 for those held fixed, not a number while there is no estimate.
-std::vector<double> sigmas(const CalibrationReport& report) {
-  const Eigen::Index estimated = report.covariance.rows();
-  std::vector<double> values(static_cast<std::size_t>(report.camera.parameterCount()),
-                             estimated == 0 ? std::numeric_limits<double>::quiet_NaN() : 0.0);
-  for (Eigen::Index i = 0; i < estimated; ++i) {
-    values[static_cast<std::size_t>(i)] = std::sqrt(report.covariance(i, i));
-  }
-  return values;
-}
 
 std::string parametersJson(const Camera& camera, const std::function<double(std::size_t)>& value) {
   std::vector<json::Member> members;
@@ -38,7 +26,7 @@ std::string parametersJson(const Camera& camera, const std::function<double(std:
 
 std::string cameraJson(const CalibrationReport& report) {
   const Camera& camera = report.camera;
-  const std::vector<double> sigma = sigmas(report);
+  const std::vector<double> sigma = parameterSigmas(report);
   return json::object(
       {{"model", json::string(toString(camera.model()))},
        {"width", json::number(static_cast<std::int64_t>(camera.width()))},
@@ -106,7 +94,7 @@ void writeCsvHeader(const Camera& camera, std::ostream& file) {
 void writeCsvRow(const CalibrationReport& report, std::ostream& file) {
   file << json::seconds(report.stamp_ns) << std::setprecision(10);
   for (const double value : report.camera.parameters()) file << ',' << value;
-  for (const double value : sigmas(report)) file << ',' << value;
+  for (const double value : parameterSigmas(report)) file << ',' << value;
   file << ',' << report.entropy << ',' << report.uncertainty.rms << ',' << report.uncertainty.max
        << ',' << report.queue.segments.size() << ',' << quoted(report.queue.last_decision) << ','
        << toString(report.state) << ',' << report.epoch << '\n';

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <diagnostic_updater/diagnostic_updater.h>
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/ros/camera_info_policy.h"
+#include "camera_self_calibration/ros/input_monitor.h"
+
+namespace camera_self_calibration {
+
+/// Tells an operator on /diagnostics in plain sentences how the node fares: tracking, calibration,
+/// queue, timing with drops. Thread-safe.
+class Diagnostics {
+ public:
+  Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+              const std::string& name, const CameraInfoPolicy* camera_info);
+
+  /// The node cannot work, for these reasons.
+  void setProblems(const std::vector<std::string>& problems);
+  void setTopic(const std::string& topic);
+  void update(const FrameResult& result, std::int64_t dropped_images);
+  void update(const CalibrationReport& report);
+  void update(const InputCounts& input);
+
+  /// Publishes; called about once a second.
+  void publish();
+
+ private:
+  using Status = diagnostic_updater::DiagnosticStatusWrapper;
+  /// Since the last publication.
+  struct Interval {
+    std::int64_t frames = 0;
+    double seconds_sum = 0.0;
+    double seconds_max = 0.0;
+    std::int64_t dropped_before = 0;
+    std::int64_t rejected_before = 0;
+    std::int64_t jumps_before = 0;
+  };
+
+  void tracking(Status& status);
+  void calibration(Status& status);
+  void queue(Status& status);
+  void timing(Status& status);
+  bool addProblems(Status* status) const;
+
+  diagnostic_updater::Updater updater_;
+  const CameraInfoPolicy* camera_info_;
+  mutable std::mutex mutex_;
+  std::string problems_;
+  std::string topic_;
+  FrameResult frame_;
+  CalibrationReport report_;
+  InputCounts input_;
+  std::int64_t dropped_ = 0;
+  Interval interval_;
+  ros::WallTime interval_begin_ = ros::WallTime::now();
+};
+
+}  // namespace camera_self_calibration

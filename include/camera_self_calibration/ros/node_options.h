@@ -1,0 +1,39 @@
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/pipeline/options.h"
+
+namespace camera_self_calibration {
+
+/// The parameters of the node; config/parameters.yaml explains each.
+struct NodeOptions {
+  Options pipeline;
+  std::string model = "fov";  ///< Name of pipeline.model.
+  /// Start values in the order of the model's parameters; empty: a guess from the image size.
+  std::vector<double> initial_intrinsics;
+
+  std::string image_transport = "auto";     ///< raw | compressed | auto.
+  std::string world_frame = "selfcal_map";  ///< Of poses; its origin and scale are arbitrary.
+  std::string child_frame;                  ///< Empty: the frame_id of the images.
+  bool publish_tf = true;
+  bool invert_tf = false;              ///< The camera's frame is the parent.
+  double min_publish_change_px = 0.1;  ///< A CameraInfo is replaced if it differs by more [px rms].
+  int path_poses = 1000;               ///< Of ~path, at most.
+
+  /// Every violated bound in one sentence each, those of the pipeline included.
+  std::vector<std::string> problems() const;
+};
+
+struct NodeOptionsReading {
+  NodeOptions options;
+  std::vector<std::string> problems;  ///< Wrong types and violated bounds; empty if all is well.
+};
+
+/// Reads the private parameters; what is absent keeps its default.
+NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node);
+
+}  // namespace camera_self_calibration

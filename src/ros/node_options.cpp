@@ -1,0 +1,107 @@
+#include "camera_self_calibration/ros/node_options.h"
+
+namespace camera_self_calibration {
+namespace {
+
+const char* typeName(const std::string&) { return "a string"; }
+const char* typeName(bool) { return "true or false"; }
+const char* typeName(int) { return "a whole number"; }
+const char* typeName(double) { return "a number"; }
+const char* typeName(const std::vector<double>&) { return "a list of numbers"; }
+
+/// Reads parameters one by one and remembers what is wrong with them.
+class Reader {
+ public:
+  Reader(const ros::NodeHandle& node, std::vector<std::string>* problems)
+      : node_(node), problems_(problems) {}
+
+  template <typename T>
+  void operator()(const std::string& name, T* value) {
+    if (!node_.hasParam(name)) return;
+    if (node_.getParam(name, *value)) return;
+    problems_->push_back(name + " must be " + typeName(*value));
+  }
+
+ private:
+  const ros::NodeHandle& node_;
+  std::vector<std::string>* problems_;
+};
+
+void readPipeline(Reader& read, NodeOptions* options) {
+  Options& pipeline = options->pipeline;
+  read("model", &options->model);
+  read("initial_intrinsics", &options->initial_intrinsics);
+  read("max_features", &pipeline.tracker.max_features);
+  read("min_distance_px", &pipeline.tracker.min_distance_px);
+  read("keyframe_min_parallax", &pipeline.keyframe.min_parallax);
+  read("keyframe_min_rotation_deg", &pipeline.keyframe.min_rotation_deg);
+  read("keyframe_min_tracked_share", &pipeline.keyframe.min_tracked_share);
+  read("sliding_window_keyframes", &pipeline.sliding_window_keyframes);
+  read("segment_keyframes", &pipeline.segment_keyframes);
+  read("queue_segments", &pipeline.queue_segments);
+  read("startup_keyframes", &pipeline.startup_keyframes);
+  read("alpha", &pipeline.alpha);
+  read("converged_pixel_rms", &pipeline.converged_pixel_rms);
+  read("solver_threads", &pipeline.solver_threads);
+  read("max_queued_images", &pipeline.max_queued_images);
+}
+
+void readInterface(Reader& read, NodeOptions* options) {
+  read("image_transport", &options->image_transport);
+  read("world_frame", &options->world_frame);
+  read("child_frame", &options->child_frame);
+  read("publish_tf", &options->publish_tf);
+  read("invert_tf", &options->invert_tf);
+  read("min_publish_change_px", &options->min_publish_change_px);
+  read("path_poses", &options->path_poses);
+}
+
+void checkModel(const NodeOptions& options, std::vector<std::string>* problems) {
+  const std::optional<CameraModel> model = cameraModelFromString(options.model);
+  if (!model) {
+    problems->push_back("model is '" + options.model +
+                        "'; it must be pinhole, fov, radtan (or plumb_bob) or equidistant");
+    return;
+  }
+  const std::size_t count = options.initial_intrinsics.size();
+  const auto expected = static_cast<std::size_t>(Camera::parameterCount(*model));
+  const bool with_k3 = *model == CameraModel::kRadtan && count == expected + 1;
+  if (count != 0 && count != expected && !with_k3) {
+    problems->push_back("initial_intrinsics has " + std::to_string(count) + " values; " +
+                        options.model + " has " + std::to_string(expected));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> NodeOptions::problems() const {
+  std::vector<std::string> problems = pipeline.problems();
+  checkModel(*this, &problems);
+  if (image_transport != "raw" && image_transport != "compressed" && image_transport != "auto") {
+    problems.push_back("image_transport is '" + image_transport +
+                       "'; it must be raw, compressed or auto");
+  }
+  if (world_frame.empty()) problems.push_back("world_frame must not be empty");
+  if (publish_tf && world_frame == child_frame) {
+    problems.push_back("world_frame and child_frame must differ");
+  }
+  if (!(min_publish_change_px >= 0.0)) {
+    problems.push_back("min_publish_change_px must not be negative");
+  }
+  if (path_poses < 2) problems.push_back("path_poses must be at least 2");
+  return problems;
+}
+
+NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node) {
+  NodeOptionsReading reading;
+  Reader read(private_node, &reading.problems);
+  readPipeline(read, &reading.options);
+  readInterface(read, &reading.options);
+  const auto model = cameraModelFromString(reading.options.model);
+  if (model) reading.options.pipeline.model = *model;
+  const std::vector<std::string> violated = reading.options.problems();
+  reading.problems.insert(reading.problems.end(), violated.begin(), violated.end());
+  return reading;
+}
+
+}  // namespace camera_self_calibration
