@@ -1,6 +1,7 @@
 #include "camera_self_calibration/tracking/keyframe_rule.h"
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
