@@ -141,7 +141,8 @@ void SelfCalibrator::Impl::processImage(const ImageView& image) {
     tracker.reset();
     front_end->resetMap();
   }
-  processFrame(tracker.track(image), [this] { return tracker.detect(); }, begin);
+  const TrackedFrame frame = tracker.track(image);  // a copy: detect() adds to the tracker's own
+  processFrame(frame, [this] { return tracker.detect(); }, begin);
 }
 
 void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
