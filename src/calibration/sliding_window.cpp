@@ -14,6 +14,9 @@ namespace {
 // Baseline over depth below which the conditioning poses do not fix the scale.
 constexpr double kSeparatedPoses = 1e-2;
 
+// Beyond so many scaled sigmas, and the option's pixels, a track does not belong to a rigid scene.
+constexpr double kGrossSigmas = 5.0;
+
 SolverOptions windowSolver() {
   SolverOptions options;
   options.max_iterations = 8;
@@ -65,7 +68,8 @@ void SlidingWindow::keepNewestPoseAndDepth(const Rigid3& pose, double inverse_de
   for (Landmark& landmark : segment->landmarks) landmark.inverse_depth /= scale;
 }
 
-void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation) {
+void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool trusted) {
+  trusted_ = trusted;
   camera_ = camera;
   generation_ = generation;
   std::set<std::uint64_t> used;
@@ -181,8 +185,10 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
   }
   if (!solve({&camera_, false, {block}}, windowSolver()).usable) return outlier_ids;
   map_.update(segment);
+  if (!trusted_) return outlier_ids;
   block.sigma_scale = std::max(1.0, medianResidualScale(block, camera_));
-  for (const int l : misfits(block, camera_, 1e-4)) {
+  const double min_px = options_.gross_residual_share * camera_.width();
+  for (const int l : grossMisfits(block, camera_, kGrossSigmas, min_px)) {
     outlier_ids.push_back(segment.landmarks[l].track_id);
   }
   map_.removePoints(outlier_ids);

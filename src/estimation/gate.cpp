@@ -65,6 +65,23 @@ std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
   return result;
 }
 
+std::vector<int> grossMisfits(const SegmentBlock& block, const Camera& camera, double sigmas,
+                              double min_px) {
+  const Segment& segment = *block.segment;
+  const std::vector<double> squares = squaredResiduals(block, camera);
+  std::vector<char> gross(segment.landmarks.size(), 0);
+  for (std::size_t o = 0; o < squares.size(); ++o) {
+    const Observation& observation = segment.observations[o];
+    const double limit = std::max(sigmas, min_px / (observation.sigma * block.sigma_scale));
+    if (squares[o] > limit * limit) gross[observation.landmark] = 1;
+  }
+  std::vector<int> result;
+  for (std::size_t l = 0; l < gross.size(); ++l) {
+    if (gross[l] != 0) result.push_back(static_cast<int>(l));
+  }
+  return result;
+}
+
 void removeLandmarks(const std::vector<int>& landmarks, Segment* segment) {
   std::vector<int> new_index(segment->landmarks.size(), 0);
   for (const int l : landmarks) new_index[l] = -1;

@@ -27,7 +27,7 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera)
 
 void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;
-  window_.adopt(update.camera, update.generation);
+  window_.adopt(update.camera, update.generation, update.handed_over);
   if (update.solution) window_.reseed(*update.solution);
   // The newest keyframe kept its pose; the frames since then are located again from the next on.
 }

@@ -16,6 +16,7 @@ struct SlidingWindowOptions {
   int conditioning_keyframes = 10;
   int map_keyframes = 40;             ///< Kept in all, at least active + conditioning.
   double max_generation_distance_px = 0.5;  ///< Between intrinsics, for conditioning keyframes.
+  double gross_residual_share = 1.5 / 640;  ///< Of the image width: smaller residuals end no track.
 };
 
 /// Where the camera is, with the intrinsics held (section II-C): the pose of each frame against the
@@ -27,8 +28,9 @@ class SlidingWindow {
 
   /// Adopts a new estimate of the intrinsics: re-solves the active window unconditioned, keeping the
   /// newest pose and the median depth there, so that neither pose nor scale jumps. Keyframes before
-  /// it whose intrinsics differ by more than the option's distance condition no more.
-  void adopt(const Camera& camera, std::uint64_t generation);
+  /// it whose intrinsics differ by more than the option's distance condition no more. Only intrinsics
+  /// that are `trusted` end tracks that do not fit: under wrong ones good tracks do not fit either.
+  void adopt(const Camera& camera, std::uint64_t generation, bool trusted);
 
   const Camera& camera() const { return camera_; }
   std::uint64_t generation() const { return generation_; }
@@ -60,6 +62,7 @@ class SlidingWindow {
   SlidingWindowOptions options_;
   Camera camera_;
   std::uint64_t generation_ = 0;
+  bool trusted_ = false;
   std::map<std::uint64_t, Camera> generations_;  // of the keyframes in the map
   Map map_;
 };

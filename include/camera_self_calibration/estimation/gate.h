@@ -14,6 +14,11 @@ namespace camera_self_calibration {
 std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
                          double exceed_probability = 1e-3);
 
+/// Landmarks with a residual that is gross: beyond `sigmas` scaled sigmas and beyond `min_px`, or
+/// that cannot be predicted.
+std::vector<int> grossMisfits(const SegmentBlock& block, const Camera& camera, double sigmas,
+                              double min_px);
+
 /// Removes landmarks and their observations; indices of the others close up. `fixed_landmark`
 /// of blocks made before no longer holds.
 void removeLandmarks(const std::vector<int>& landmarks, Segment* segment);
