@@ -17,6 +17,9 @@ constexpr double kSeparatedPoses = 1e-2;
 // Beyond so many scaled sigmas, and the option's pixels, a track does not belong to a rigid scene.
 constexpr double kGrossSigmas = 5.0;
 
+// With so many points of estimated depth in view, points of guessed depth are not needed.
+constexpr std::size_t kEnoughKnownPoints = 15;
+
 SolverOptions windowSolver() {
   SolverOptions options;
   options.max_iterations = 8;
@@ -101,31 +104,29 @@ void SlidingWindow::reseed(const Segment& solution) {
   map_.update(known);
 }
 
+std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Track& track) const {
+  const Keyframe* anchor = map_.keyframe(point.anchor_id);
+  const Map::Sighting* sighting = sightingIn(point, point.anchor_id);
+  if (anchor == nullptr || sighting == nullptr) return std::nullopt;
+  const auto ray = camera_.unproject(sighting->pixel);
+  if (!ray) return std::nullopt;
+  return PointView{anchor->world_from_camera.rotation * *ray,
+                   anchor->world_from_camera.translation, point.inverse_depth, track.pixel,
+                   track.sigma};
+}
+
 PoseEstimate SlidingWindow::localize(const TrackedFrame& frame, const Rigid3& guess) const {
-  std::vector<PointView> views;
-  std::vector<std::size_t> view_track;
-  for (std::size_t t = 0; t < frame.tracks.size(); ++t) {
-    const Track& track = frame.tracks[t];
+  std::vector<PointView> known;
+  std::vector<PointView> all;  // also those seen in one keyframe alone, whose depth is a guess
+  for (const Track& track : frame.tracks) {
     const auto found = map_.points().find(track.id);
     if (found == map_.points().end()) continue;
-    const Map::Point& point = found->second;
-    const Keyframe* anchor = map_.keyframe(point.anchor_id);
-    const Map::Sighting* sighting = sightingIn(point, point.anchor_id);
-    if (anchor == nullptr || sighting == nullptr) continue;
-    const auto ray = camera_.unproject(sighting->pixel);
-    if (!ray) continue;
-    views.push_back({anchor->world_from_camera.rotation * *ray,
-                     anchor->world_from_camera.translation, point.inverse_depth, track.pixel,
-                     track.sigma});
-    view_track.push_back(t);
+    const auto view = viewOf(found->second, track);
+    if (!view) continue;
+    all.push_back(*view);
+    if (found->second.sightings.size() > 1) known.push_back(*view);
   }
-  PoseEstimate estimate = solvePose(camera_, views, guess);
-  std::vector<char> inlier(frame.tracks.size(), 1);  // a track without a point is not refuted
-  for (std::size_t v = 0; v < estimate.inlier.size(); ++v) {
-    inlier[view_track[v]] = estimate.inlier[v];
-  }
-  estimate.inlier = std::move(inlier);
-  return estimate;
+  return solvePose(camera_, known.size() >= kEnoughKnownPoints ? known : all, guess);
 }
 
 int SlidingWindow::conditioningCount() const {

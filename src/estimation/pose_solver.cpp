@@ -62,7 +62,7 @@ Rigid3 moved(const Rigid3& pose, const Vector6d& step) {
           pose.translation + step.head<3>()};
 }
 
-void classifyViews(const Camera& camera, const std::vector<PointView>& views,
+void countInliers(const Camera& camera, const std::vector<PointView>& views,
                    PoseEstimate* estimate) {
   const PoseMatrices pose(estimate->world_from_camera);
   std::vector<double> norms(views.size(), 1e9);
@@ -74,11 +74,9 @@ void classifyViews(const Camera& camera, const std::vector<PointView>& views,
   std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
   constexpr double kMedianNorm = 1.1774;  // of two standard normal coordinates
   estimate->residual_scale = std::max(1.0, sorted[sorted.size() / 2] / kMedianNorm);
-  estimate->inlier.resize(views.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double limit = std::max(3.5 * estimate->residual_scale, 1.0 / views[i].sigma);
-    estimate->inlier[i] = norms[i] < limit;
-    estimate->inliers += estimate->inlier[i];
+    estimate->inliers += norms[i] < limit;
   }
 }
 
@@ -112,7 +110,7 @@ PoseEstimate solvePose(const Camera& camera, const std::vector<PointView>& views
     damping = std::max(1e-9, damping * 0.1);
     if (done) break;
   }
-  classifyViews(camera, views, &estimate);
+  countInliers(camera, views, &estimate);
   poseEquations(camera, estimate.world_from_camera, views, huber, &hessian, &gradient);
   const Eigen::LDLT<Matrix66d> factor(hessian);
   if (factor.info() == Eigen::Success && factor.vectorD().minCoeff() > 0.0) {

@@ -75,10 +75,6 @@ void FrontEnd::locate(const TrackedFrame& frame, FrontEndOutput* output) {
     world_from_camera_ = pose.world_from_camera;
     output->result.pose_covariance = pose.covariance;
     state_ = TrackingState::kTracking;
-    // While the intrinsics are unknown a track that does not fit may be right.
-    for (std::size_t t = 0; handed_over_ && t < frame.tracks.size(); ++t) {
-      if (pose.inlier[t] == 0) output->outliers.push_back(frame.tracks[t].id);
-    }
   }
   updateLoss(frame, located ? pose.inliers : 0, output);
 }
@@ -107,12 +103,6 @@ void FrontEnd::updateLoss(const TrackedFrame& frame, int inliers, FrontEndOutput
 void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected,
                             FrontEndOutput* output) {
   TrackedFrame whole = frame;
-  const auto is_outlier = [&](const Track& track) {
-    return std::find(output->outliers.begin(), output->outliers.end(), track.id) !=
-           output->outliers.end();
-  };
-  whole.tracks.erase(std::remove_if(whole.tracks.begin(), whole.tracks.end(), is_outlier),
-                     whole.tracks.end());
   whole.tracks.insert(whole.tracks.end(), detected.begin(), detected.end());
   if (static_cast<int>(whole.tracks.size()) < kMinTracks) return;
 
@@ -122,9 +112,7 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
   keyframe.world_from_camera = world_from_camera_;
   const double seconds = 1e-9 * static_cast<double>(frame.stamp_ns - last_stamp_ns_);
   if (seconds > 0.0 && keyframe.id > 0) keyframe.velocity = logSe3(last_motion_) / seconds;
-  for (const std::int64_t id : window_.addKeyframe(keyframe, whole.tracks)) {
-    output->outliers.push_back(id);
-  }
+  output->outliers = window_.addKeyframe(keyframe, whole.tracks);
   world_from_camera_ = window_.newestPose();
   keyframe_rule_.setKeyframe(whole);
   output->result.is_keyframe = true;

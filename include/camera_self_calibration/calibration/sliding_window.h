@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
@@ -55,6 +56,7 @@ class SlidingWindow {
   void clear() { map_.clear(); }
 
  private:
+  std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
   int conditioningCount() const;
   void keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth, Segment* segment) const;
   std::vector<std::int64_t> solveWindow();
