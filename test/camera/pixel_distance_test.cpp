@@ -33,7 +33,7 @@ TEST(PixelUncertainty, AgreesWithDisturbedCameras) {
     const IntrinsicsMatrix root = covariance.llt().matrixL();
     const int n = camera.estimatedCount();
     double sum = 0.0;
-    constexpr int kSamples = 400;
+    constexpr int kSamples = 150;
     for (int i = 0; i < kSamples; ++i) {
       Intrinsics noise(n);
       for (int j = 0; j < n; ++j) noise[j] = normal(random);
