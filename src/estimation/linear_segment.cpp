@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -98,6 +99,7 @@ void LinearSegment::resize(const SegmentBlock& block, int intrinsics_count) {
     rows_[l] = {rows, landmarkDimension(block, static_cast<int>(l))};
     rows += rows_[l].count;
   }
+  groupLandmarks(block);
   const int columns = pose_columns_ + intrinsics_count_;
   hessian_.setZero(columns, columns);
   gradient_.setZero(columns);
@@ -105,6 +107,37 @@ void LinearSegment::resize(const SegmentBlock& block, int intrinsics_count) {
   landmark_hessian_.setZero(rows, kMaxLandmarkDimension);
   landmark_gradient_.setZero(rows);
   cost_ = 0.0;
+}
+
+// Landmarks of one reference keyframe follow each other in a segment and are seen from much the same
+// keyframes: long segments stay cheap when each group touches these alone.
+void LinearSegment::groupLandmarks(const SegmentBlock& block) {
+  const Segment& segment = *block.segment;
+  std::vector<int> last(segment.landmarks.size(), -1);  // keyframe
+  std::vector<int> first(segment.landmarks.size(), 1 << 20);
+  for (const Observation& observation : segment.observations) {
+    const int l = observation.landmark;
+    last[l] = std::max({last[l], observation.keyframe, segment.landmarks[l].reference});
+    first[l] = std::min({first[l], observation.keyframe, segment.landmarks[l].reference});
+  }
+  groups_.clear();
+  int reference = -1;
+  for (std::size_t l = 0; l < segment.landmarks.size(); ++l) {
+    if (groups_.empty() || segment.landmarks[l].reference != reference) {
+      reference = segment.landmarks[l].reference;
+      groups_.push_back({rows_[l].row, 0, pose_columns_, 0});
+    }
+    LandmarkGroup& group = groups_.back();
+    group.rows += rows_[l].count;
+    if (last[l] < 0) continue;
+    const int begin = 6 * std::max(0, first[l] - block.fixed_keyframes);
+    const int end = 6 * std::max(0, last[l] + 1 - block.fixed_keyframes);
+    group.begin_column = std::min(group.begin_column, begin);
+    group.end_column = std::max(group.end_column, end);
+  }
+  for (LandmarkGroup& group : groups_) {
+    group.begin_column = std::min(group.begin_column, group.end_column);
+  }
 }
 
 void LinearSegment::linearize(const SegmentBlock& block, const Camera& camera, int intrinsics_count,
@@ -238,8 +271,24 @@ void LinearSegment::eliminateLandmarks(double damping) {
   }
   schur_ = hessian_;
   schur_.diagonal() *= 1.0 + damping;
-  schur_.selfadjointView<Eigen::Lower>().rankUpdate(whitened_coupling_.transpose(), -1.0);
+  for (const LandmarkGroup& group : groups_) subtractFromSchur(group);
   schur_gradient_.noalias() = gradient_ - whitened_coupling_.transpose() * whitened_gradient_;
+}
+
+// S -= U^T U for the rows of one group, which are zero outside its range of poses.
+void LinearSegment::subtractFromSchur(const LandmarkGroup& group) {
+  const int c = intrinsics_count_;
+  const int width = group.end_column - group.begin_column;
+  const auto rows = whitened_coupling_.middleRows(group.row, group.rows);
+  const auto poses = rows.middleCols(group.begin_column, width);
+  const auto intrinsics = rows.rightCols(c);
+  schur_.block(group.begin_column, group.begin_column, width, width)
+      .selfadjointView<Eigen::Lower>()
+      .rankUpdate(poses.transpose(), -1.0);
+  schur_.block(pose_columns_, group.begin_column, c, width).noalias() -=
+      intrinsics.transpose() * poses;
+  schur_.bottomRightCorner(c, c).selfadjointView<Eigen::Lower>().rankUpdate(intrinsics.transpose(),
+                                                                            -1.0);
 }
 
 void LinearSegment::eliminatePoses() {

@@ -60,16 +60,27 @@ class LinearSegment {
     int count = 0;  // 0 to 3
   };
 
+  // Consecutive landmarks with one reference keyframe, and the pose columns that they touch.
+  struct LandmarkGroup {
+    int row = 0;
+    int rows = 0;
+    int begin_column = 0;
+    int end_column = 0;
+  };
+
   void resize(const SegmentBlock& block, int intrinsics_count);
   void addObservation(const SegmentBlock& block, const Camera& camera, double huber,
                       const Observation& observation);
   void eliminateLandmarks(double damping);
   void eliminatePoses();
+  void groupLandmarks(const SegmentBlock& block);
+  void subtractFromSchur(const LandmarkGroup& group);
 
   int pose_columns_ = 0;
   int intrinsics_count_ = 0;
   double cost_ = 0.0;
   std::vector<LandmarkRows> rows_;  // per landmark
+  std::vector<LandmarkGroup> groups_;
 
   Eigen::MatrixXd hessian_;           // x by x, lower triangle
   Eigen::VectorXd gradient_;          // x
