@@ -5,7 +5,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "camera_self_calibration/simulation/tile_renderer.h"
+#include "tile_renderer.h"
+#include "visibility.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -132,7 +133,7 @@ void Renderer::addTileRow(int tile_row, const std::vector<Views>& row_views, flo
   for (int column = 0; column < rays_.columns; ++column) {
     if (column % kBlock == 0) {
       const auto block = static_cast<std::size_t>(tile_row * blocks + column / kBlock);
-      TileRenderer::findCandidates(*views[kTileSize / 2], blocks_[block], nullptr, &candidates);
+      findCandidates(*views[kTileSize / 2], blocks_[block], nullptr, &candidates);
     }
     const RayTile& tile = rays_.tiles[static_cast<std::size_t>(tile_row * rays_.columns + column)];
     if (!tile.any) continue;
