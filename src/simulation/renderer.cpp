@@ -16,8 +16,9 @@ constexpr int kBlock = 8;  // tiles in a row that share a list of candidates
 // With a rolling shutter the rows of a tile differ in pose: this much wider is the search [rad].
 constexpr float kRollingMargin = 0.02f;
 
-Camera checked(const Camera& camera, const RendererOptions& options) {
+Camera checked(const PaintedWorld* world, const Camera& camera, const RendererOptions& options) {
   std::string message;
+  if (world == nullptr) message += "a world is needed; ";
   for (const std::string& problem : options.problems()) message += problem + "; ";
   if (!camera.valid() || camera.width() < 1 || camera.height() < 1) {
     message += "the simulated camera's parameters or size are not valid; ";
@@ -66,7 +67,7 @@ std::vector<std::string> RendererOptions::problems() const {
 Renderer::Renderer(std::shared_ptr<const PaintedWorld> world, const Camera& camera,
                    const RendererOptions& options)
     : world_(std::move(world)),
-      camera_(checked(camera, options)),
+      camera_(checked(world_.get(), camera, options)),
       options_(options),
       rays_(camera),
       blocks_(blocksOf(rays_, options.row_time_s > 0.0 ? kRollingMargin : 0.0f)),

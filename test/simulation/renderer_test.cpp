@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <stdexcept>
+#include <utility>
 
 #include "camera_self_calibration/simulation/room.h"
 #include "camera_self_calibration/simulation/synthetic_motion.h"
@@ -44,8 +45,9 @@ Trajectory handheld() {
 std::optional<float> grayByRayCasting(const World& world, const Camera& camera, const Rigid3& pose,
                                       const Eigen::Vector2d& pixel) {
   int surface = -1;
-  for (const auto& [dx, dy] :
-       {std::pair{0.0, 0.0}, {0.7, 0.7}, {-0.7, 0.7}, {0.7, -0.7}, {-0.7, -0.7}}) {
+  const std::pair<double, double> offsets[] = {
+      {0.0, 0.0}, {0.7, 0.7}, {-0.7, 0.7}, {0.7, -0.7}, {-0.7, -0.7}};
+  for (const auto& [dx, dy] : offsets) {
     const auto ray = camera.unproject(pixel + Eigen::Vector2d(dx, dy));
     if (!ray) return std::nullopt;
     const auto hit = world.castRay(pose.translation, pose.rotation * *ray);
@@ -72,7 +74,7 @@ TEST(Renderer, ShowsTheSurfaceThatRayCastingFinds) {
           const auto gray = grayByRayCasting(world->world, camera, pose, {x, y});
           if (!gray) continue;
           ++compared;
-          // Leaves a thin object between the five rays its due.
+          // A thin object may pass between the five rays: rare, but not wrong.
           wrong += std::abs(light.at<float>(y, x) - *gray) > 0.01f ? 1 : 0;
         }
       }
@@ -184,6 +186,7 @@ TEST(Renderer, RefusesImpossibleOptions) {
   EXPECT_EQ(options.problems().size(), 2u);
   EXPECT_THROW(Renderer(paintedRoom(), testCameras()[0], options), std::invalid_argument);
   EXPECT_THROW(Renderer(paintedRoom(), Camera(), RendererOptions()), std::invalid_argument);
+  EXPECT_THROW(Renderer(nullptr, testCameras()[0], RendererOptions()), std::invalid_argument);
 }
 
 }  // namespace
