@@ -5,7 +5,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "camera_self_calibration/simulation/tile_renderer.h"
+#include "tile_renderer.h"
+#include "visibility.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -15,8 +16,9 @@ constexpr int kBlock = 8;  // tiles in a row that share a list of candidates
 // With a rolling shutter the rows of a tile differ in pose: this much wider is the search [rad].
 constexpr float kRollingMargin = 0.02f;
 
-Camera checked(const Camera& camera, const RendererOptions& options) {
+Camera checked(const PaintedWorld* world, const Camera& camera, const RendererOptions& options) {
   std::string message;
+  if (world == nullptr) message += "a world is needed; ";
   for (const std::string& problem : options.problems()) message += problem + "; ";
   if (!camera.valid() || camera.width() < 1 || camera.height() < 1) {
     message += "the simulated camera's parameters or size are not valid; ";
@@ -65,7 +67,7 @@ std::vector<std::string> RendererOptions::problems() const {
 Renderer::Renderer(std::shared_ptr<const PaintedWorld> world, const Camera& camera,
                    const RendererOptions& options)
     : world_(std::move(world)),
-      camera_(checked(camera, options)),
+      camera_(checked(world_.get(), camera, options)),
       options_(options),
       rays_(camera),
       blocks_(blocksOf(rays_, options.row_time_s > 0.0 ? kRollingMargin : 0.0f)),
@@ -132,7 +134,7 @@ void Renderer::addTileRow(int tile_row, const std::vector<Views>& row_views, flo
   for (int column = 0; column < rays_.columns; ++column) {
     if (column % kBlock == 0) {
       const auto block = static_cast<std::size_t>(tile_row * blocks + column / kBlock);
-      TileRenderer::findCandidates(*views[kTileSize / 2], blocks_[block], nullptr, &candidates);
+      findCandidates(*views[kTileSize / 2], blocks_[block], nullptr, &candidates);
     }
     const RayTile& tile = rays_.tiles[static_cast<std::size_t>(tile_row * rays_.columns + column)];
     if (!tile.any) continue;

@@ -7,7 +7,7 @@ constexpr double kNearest = 1e-3;  // [m] surfaces nearer to the eye are not see
 constexpr float kEdge = 1e-6f;     // [rad] by which surfaces overlap, so that none gap
 
 SurfaceView viewOf(const Surface& surface, const Texture& texture,
-                                  const Rigid3& world_from_camera) {
+                   const Rigid3& world_from_camera) {
   const Eigen::Vector3d normal = surface.normal();
   // From the eye to the surface's plane, along the normal: negative where the front is seen.
   const double height = normal.dot(surface.corner - world_from_camera.translation);

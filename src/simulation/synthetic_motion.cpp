@@ -63,7 +63,7 @@ Trajectory waves(const SyntheticMotionOptions& o, bool moves, bool upright) {
     const Vector3d position =
         moves ? inside(o.box, x(t), y(t), upright ? 0.0 : z(t)) : Vector3d(o.box.center());
     return Rigid3(
-        orientation(heading + 2.4 * yaw(t), tilt * (0.55 * pitch(t) - 0.08), tilt * 0.75 * roll(t)),
+        orientation(heading + 2.4 * yaw(t), tilt * (0.55 * pitch(t) - 0.2), tilt * 0.75 * roll(t)),
         position);
   };
   return Trajectory(pose, o.duration_s);

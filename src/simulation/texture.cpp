@@ -11,7 +11,9 @@ namespace {
 
 constexpr int kGranularity = 32;  // texture sizes are multiples, so that five levels halve evenly
 constexpr int kMaxLevels = 6;
-constexpr int kMaxAnisotropy = 8;  // samples along the long side of a footprint
+constexpr float kMaxSamples = 8.0f;       // along the long axis of a footprint
+constexpr float kRound = 1.4f;            // footprints less oblong than this take one sample
+constexpr float kVariance = 1.0f / 6.0f;  // of the filter, per squared length of an axis
 
 // log2 of a positive float to 0.01: exponent and a parabola through the mantissa.
 float fastLog2(float x) {
@@ -100,26 +102,34 @@ float Texture::sample(float x, float y, float level) const {
   return value + blend * (bilinear(coarse, x * coarse.scale, y * coarse.scale) - value);
 }
 
+// The footprint is an ellipse. Along its short axis the mip level smooths; along the long axis
+// several samples do, spread so that the variance of the whole follows the ellipse. Every quantity
+// but the number of samples is continuous in the footprint: jumps between neighbouring pixels
+// would move corners.
 float Texture::sampleFootprint(float x, float y, float x_u, float y_u, float x_v, float y_v) const {
-  const float u2 = x_u * x_u + y_u * y_u;
-  const float v2 = x_v * x_v + y_v * y_v;
-  const float long2 = std::max(std::max(u2, v2), 1e-12f);
-  const float area = std::abs(x_u * y_v - x_v * y_u);
-  // Long and short side: longer derivative, and the parallelogram's width across it.
-  const float ratio = long2 / std::max(area, 1e-12f);
-  if (long2 <= 1.0f || ratio < 1.5f) return sample(x, y, 0.5f * fastLog2(long2));
-  const int count = std::min(static_cast<int>(ratio + 0.5f), kMaxAnisotropy);
-  const float step = 1.0f / static_cast<float>(count);
-  const float step_x = step * (u2 >= v2 ? x_u : x_v);
-  const float step_y = step * (u2 >= v2 ? y_u : y_v);
-  const float level = 0.5f * fastLog2(long2 * step * step);
-  const float first = -0.5f * static_cast<float>(count - 1);
+  const float xx = x_u * x_u + x_v * x_v;
+  const float xy = x_u * y_u + x_v * y_v;
+  const float yy = y_u * y_u + y_v * y_v;
+  const float mean = 0.5f * (xx + yy);
+  const float spread = std::sqrt(0.25f * (xx - yy) * (xx - yy) + xy * xy);
+  const float long2 = mean + spread;
+  const float smoothed2 =
+      std::max({(mean - spread) * kRound * kRound, long2 / (kMaxSamples * kMaxSamples), 1.0f});
+  const float level = 0.5f * fastLog2(smoothed2);
+  if (long2 <= smoothed2) return sample(x, y, 0.5f * fastLog2(std::max(long2, 1.0f)));
+  const float count = std::max(2.0f, std::ceil(std::sqrt(long2 / smoothed2)));
+  // Equal steps have the variance step^2 (count^2 - 1) / 12.
+  const float step = std::sqrt(12.0f * kVariance * (long2 - smoothed2) / (count * count - 1.0f));
+  float axis_x = xx > yy ? long2 - yy : xy;
+  float axis_y = xx > yy ? xy : long2 - xx;
+  const float scale = step / std::sqrt(axis_x * axis_x + axis_y * axis_y);
+  axis_x *= scale;
+  axis_y *= scale;
   float sum = 0.0f;
-  for (int i = 0; i < count; ++i) {
-    const float offset = first + static_cast<float>(i);
-    sum += sample(x + offset * step_x, y + offset * step_y, level);
+  for (float offset = -0.5f * (count - 1.0f); offset < 0.5f * count; offset += 1.0f) {
+    sum += sample(x + offset * axis_x, y + offset * axis_y, level);
   }
-  return sum * step;
+  return sum / count;
 }
 
 }  // namespace camera_self_calibration

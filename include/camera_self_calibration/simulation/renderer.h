@@ -31,7 +31,8 @@ struct RendererOptions {
 /// once.
 class Renderer {
  public:
-  /// Throws std::invalid_argument that lists options.problems(), or if the camera is not valid().
+  /// Throws std::invalid_argument that lists options.problems(), or if there is no world or the
+  /// camera is not valid().
   Renderer(std::shared_ptr<const PaintedWorld> world, const Camera& camera,
            const RendererOptions& options);
 
