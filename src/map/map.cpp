@@ -49,8 +49,8 @@ void Map::removeOldest(const Camera& camera) {
         const Keyframe& next = *keyframe(sightings.front().keyframe_id);
         point.anchor_id = next.id;
         if (const auto ray = camera.unproject(anchor_pixel)) {
-          point.inverse_depth = transferInverseDepth(
-              oldest.world_from_camera, *ray, point.inverse_depth, next.world_from_camera);
+          point.inverse_depth = transferInverseDepth(oldest.world_from_camera, *ray,
+                                                     point.inverse_depth, next.world_from_camera);
         }
       }
     }
@@ -68,9 +68,9 @@ void Map::clear() {
 }
 
 const Keyframe* Map::keyframe(std::int64_t id) const {
-  const auto found =
-      std::lower_bound(keyframes_.begin(), keyframes_.end(), id,
-                       [](const Keyframe& keyframe, std::int64_t key) { return keyframe.id < key; });
+  const auto found = std::lower_bound(
+      keyframes_.begin(), keyframes_.end(), id,
+      [](const Keyframe& keyframe, std::int64_t key) { return keyframe.id < key; });
   return found != keyframes_.end() && found->id == id ? &*found : nullptr;
 }
 
@@ -129,11 +129,28 @@ void Map::update(const Segment& segment) {
       if (keyframe.id == solved.id) keyframe = solved;
     }
   }
+  std::map<std::int64_t, const Rigid3*> solved_poses;  // by keyframe id
+  for (const Keyframe& solved : segment.keyframes) {
+    solved_poses[solved.id] = &solved.world_from_camera;
+  }
   for (const Landmark& landmark : segment.landmarks) {
     const auto found = points_.find(landmark.track_id);
     if (found == points_.end()) continue;
-    found->second.anchor_id = segment.keyframes[landmark.reference].id;
-    found->second.inverse_depth = landmark.inverse_depth;
+    Point& point = found->second;
+    // The map may have moved on meanwhile: the reference keyframe may be gone, or the point be a
+    // new one of the same track. The depth goes to the oldest sighting left that the solution
+    // knows.
+    const auto anchor =
+        std::find_if(point.sightings.begin(), point.sightings.end(),
+                     [&](const Sighting& s) { return solved_poses.count(s.keyframe_id) > 0; });
+    if (anchor == point.sightings.end()) continue;
+    const Keyframe& reference = segment.keyframes[landmark.reference];
+    point.anchor_id = anchor->keyframe_id;
+    point.inverse_depth =
+        anchor->keyframe_id == reference.id
+            ? landmark.inverse_depth
+            : transferInverseDepth(reference.world_from_camera, landmark.bearing,
+                                   landmark.inverse_depth, *solved_poses[anchor->keyframe_id]);
   }
 }
 

@@ -54,7 +54,8 @@ class Map {
   /// The last `count` keyframes.
   Segment lastKeyframes(int count, const Camera& camera) const;
 
-  /// Takes over poses, generations and depths of a segment made by this map (after solving).
+  /// Takes over poses, generations and depths of a segment made by this map (after solving). What
+  /// the map has forgotten since then is left out.
   void update(const Segment& segment);
 
   /// Median inverse depth of the points seen in a keyframe, in its own frame; 1 without any.
