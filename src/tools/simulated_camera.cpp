@@ -1,6 +1,8 @@
 #include "camera_self_calibration/tools/simulated_camera.h"
 
 #include <geometry_msgs/PoseStamped.h>
+#include <ros/callback_queue.h>
+#include <ros/init.h>
 #include <rosgraph_msgs/Clock.h>
 #include <sensor_msgs/Image.h>
 #include <sensor_msgs/image_encodings.h>
@@ -43,9 +45,8 @@ Calibration trueCalibration(const Camera& camera) {
 
 }  // namespace
 
-SimulatedCamera::SimulatedCamera(ros::NodeHandle node, const SimulationOptions& options)
-    : options_(options), sequence_(options.sequence), node_(std::move(node)) {
-  node_.setCallbackQueue(&callbacks_);
+SimulatedCamera::SimulatedCamera(const ros::NodeHandle& node, const SimulationOptions& options)
+    : options_(options), sequence_(options.sequence), node_(node) {
   constexpr std::uint32_t kQueue = 10;
   image_ = node_.advertise<sensor_msgs::Image>("image_raw", kQueue);
   camera_info_ = node_.advertise<sensor_msgs::CameraInfo>("camera_info", kQueue);
@@ -131,7 +132,7 @@ void SimulatedCamera::publishFinished(std::int64_t stamp_ns) {
 void SimulatedCamera::waitUntilProcessed(const ros::Time& stamp) {
   const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(options_.wait_limit_s);
   while (ros::ok() && processed_ < stamp && ros::WallTime::now() < limit) {
-    callbacks_.callAvailable(ros::WallDuration(0.01));
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
   }
 }
 

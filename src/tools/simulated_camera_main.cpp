@@ -11,11 +11,10 @@ int main(int argc, char** argv) {
   try {
     SimulatedCamera camera(node, readSimulationOptions(ros::NodeHandle("~")));
     camera.run();
+    ros::spin();
+    return 0;
   } catch (const std::exception& e) {
     ROS_FATAL_STREAM("simulated_camera: " << e.what());
     return 1;
   }
-  // The latched truth stays available.
-  while (ros::ok()) ros::WallDuration(0.1).sleep();
-  return 0;
 }

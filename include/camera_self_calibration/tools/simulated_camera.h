@@ -1,7 +1,6 @@
 #pragma once
 
 #include <camera_self_calibration/TrackingStatus.h>
-#include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 #include <ros/subscriber.h>
@@ -17,9 +16,11 @@ namespace camera_self_calibration {
 class SimulatedCamera {
  public:
   /// Throws std::invalid_argument if the options are out of range.
-  SimulatedCamera(ros::NodeHandle node, const SimulationOptions& options);
+  /// Works off the global callback queue while it waits.
+  SimulatedCamera(const ros::NodeHandle& node, const SimulationOptions& options);
 
-  /// Publishes all images at their rate, or as fast as the consumer follows, until ROS shuts down.
+  /// Publishes all images at their rate, or as fast as the consumer follows; returns early
+  /// if ROS shuts down. The latched truth lives as long as this object.
   void run();
 
  private:
@@ -32,7 +33,6 @@ class SimulatedCamera {
 
   const SimulationOptions options_;
   SimulatedSequence sequence_;
-  ros::CallbackQueue callbacks_;
   ros::NodeHandle node_;
   ros::Publisher image_;
   ros::Publisher camera_info_;
