@@ -40,6 +40,7 @@ void readPipeline(Reader& read, NodeOptions* options) {
   read("segment_keyframes", &pipeline.segment_keyframes);
   read("queue_segments", &pipeline.queue_segments);
   read("startup_keyframes", &pipeline.startup_keyframes);
+  read("handover_entropy", &pipeline.handover_entropy);
   read("alpha", &pipeline.alpha);
   read("converged_pixel_rms", &pipeline.converged_pixel_rms);
   read("solver_threads", &pipeline.solver_threads);

@@ -1,0 +1,81 @@
+#include "camera_self_calibration/tools/simulation_options.h"
+
+#include <stdexcept>
+
+namespace camera_self_calibration {
+namespace {
+
+/// The lens of a camera by parameters; a wide one by default.
+Camera readCamera(const ros::NodeHandle& node) {
+  const auto name = node.param<std::string>("model", "fov");
+  const std::optional<CameraModel> model = cameraModelFromString(name);
+  if (!model) {
+    throw std::runtime_error("model is '" + name +
+                             "'; it must be pinhole, fov, radtan or equidistant");
+  }
+  const int width = node.param("width", 640);
+  const int height = node.param("height", 480);
+  const auto values = node.param("intrinsics", std::vector<double>());
+  if (!values.empty()) {
+    return Camera(
+        *model, width, height,
+        Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  }
+  // Not the guess that a calibration starts from: other focal lengths, centre and distortion.
+  const Camera guess = Camera::defaultGuess(*model, width, height);
+  Intrinsics lens = guess.parameters();
+  lens.head<2>() = Eigen::Vector2d(0.553, 0.551) * width;
+  lens[2] += 0.011 * width;
+  lens[3] -= 0.009 * width;
+  if (*model == CameraModel::kFov) lens[4] = 0.91;
+  if (*model == CameraModel::kRadtan) lens.segment<2>(4) << -0.21, 0.04;
+  if (*model == CameraModel::kEquidistant) lens.segment<2>(4) << -0.03, 0.004;
+  return Camera(*model, width, height, lens);
+}
+
+void readMotion(const ros::NodeHandle& node, SequenceOptions* sequence) {
+  const auto seed = static_cast<std::uint64_t>(node.param("seed", 1));
+  sequence->room.seed = seed;
+  sequence->motion.seed = seed;
+  sequence->noise_seed = seed;
+  const auto kind = node.param<std::string>("motion", "handheld");
+  const std::optional<MotionKind> motion = motionKindFromString(kind);
+  if (!motion) {
+    throw std::runtime_error("motion is '" + kind +
+                             "'; it must be handheld, planar, yaw_driving, rotation_only, "
+                             "forward_only, sideways_only or still");
+  }
+  sequence->motion.kind = *motion;
+  sequence->motion.speed = node.param("speed", sequence->motion.speed);
+  sequence->rate_hz = node.param("rate", sequence->rate_hz);
+  sequence->duration_s = node.param("duration", sequence->duration_s);
+}
+
+void check(const SimulationOptions& options) {
+  std::vector<std::string> problems = options.sequence.problems();
+  if (!options.sequence.lens.camera.valid()) {
+    problems.push_back("intrinsics are out of range for the model");
+  }
+  if (!(options.wait_limit_s > 0.0)) problems.push_back("wait_limit must be positive");
+  if (problems.empty()) return;
+  std::string text;
+  for (const std::string& problem : problems) text += "\n  - " + problem;
+  throw std::runtime_error("the parameters cannot be used:" + text);
+}
+
+}  // namespace
+
+SimulationOptions readSimulationOptions(const ros::NodeHandle& private_node) {
+  SimulationOptions options;
+  options.sequence.lens.camera = readCamera(private_node);
+  readMotion(private_node, &options.sequence);
+  options.frame_id = private_node.param("frame_id", options.frame_id);
+  options.world_frame = private_node.param("world_frame", options.world_frame);
+  options.publish_clock = private_node.param("publish_clock", options.publish_clock);
+  options.wait_for = private_node.param("wait_for", options.wait_for);
+  options.wait_limit_s = private_node.param("wait_limit", options.wait_limit_s);
+  check(options);
+  return options;
+}
+
+}  // namespace camera_self_calibration

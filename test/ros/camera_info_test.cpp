@@ -1,0 +1,105 @@
+#include "camera_self_calibration/ros/camera_info.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <utility>
+
+#include "camera_self_calibration/camera/fit.h"
+
+namespace camera_self_calibration {
+namespace {
+
+Camera makeCamera(CameraModel model, const std::vector<double>& values) {
+  return Camera(
+      model, 640, 480,
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+}
+
+TEST(CameraInfo, PinholeIsPlumbBobWithZeros) {
+  const auto conversion = toCameraInfo(makeCamera(CameraModel::kPinhole, {500, 510, 320, 240}));
+  ASSERT_TRUE(conversion);
+  const sensor_msgs::CameraInfo& info = conversion->info;
+  EXPECT_EQ(info.distortion_model, "plumb_bob");
+  EXPECT_EQ(info.D, std::vector<double>(5, 0.0));
+  EXPECT_EQ(info.width, 640u);
+  EXPECT_EQ(info.height, 480u);
+  const boost::array<double, 9> k = {500, 0, 320, 0, 510, 240, 0, 0, 1};
+  const boost::array<double, 9> r = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  const boost::array<double, 12> p = {500, 0, 320, 0, 0, 510, 240, 0, 0, 0, 1, 0};
+  EXPECT_EQ(info.K, k);
+  EXPECT_EQ(info.R, r);
+  EXPECT_EQ(info.P, p);
+  EXPECT_EQ(conversion->error.max, 0.0);
+}
+
+TEST(CameraInfo, RadtanKeepsItsCoefficients) {
+  const auto without_k3 = toCameraInfo(
+      makeCamera(CameraModel::kRadtan, {421, 422, 354, 252, -0.33, 0.16, 0.001, -0.002}));
+  ASSERT_TRUE(without_k3);
+  EXPECT_EQ(without_k3->info.D, (std::vector<double>{-0.33, 0.16, 0.001, -0.002, 0.0}));
+  const auto with_k3 = toCameraInfo(
+      makeCamera(CameraModel::kRadtan, {421, 422, 354, 252, -0.33, 0.16, 0.001, -0.002, -0.05}));
+  ASSERT_TRUE(with_k3);
+  EXPECT_EQ(with_k3->info.distortion_model, "plumb_bob");
+  EXPECT_EQ(with_k3->info.D, (std::vector<double>{-0.33, 0.16, 0.001, -0.002, -0.05}));
+}
+
+TEST(CameraInfo, FovGoesOutAsEquidistantWithinTheStatedError) {
+  // The largest error over the image [px] for each w, at a field of 150 degrees over the diagonal.
+  for (const auto& [w, limit] : {std::pair(0.5, 0.05), std::pair(0.9, 0.01), std::pair(1.2, 0.2)}) {
+    const double edge = std::tan(75.0 * M_PI / 180.0);
+    const double f = 400.0 * w / std::atan(2.0 * edge * std::tan(w / 2.0));
+    const Camera fov = makeCamera(CameraModel::kFov, {f, f, 319.5, 239.5, w});
+    const auto conversion = toCameraInfo(fov);
+    ASSERT_TRUE(conversion);
+    EXPECT_EQ(conversion->info.distortion_model, "equidistant");
+    ASSERT_EQ(conversion->info.D.size(), 4u);
+    EXPECT_LT(conversion->error.max, limit) << "w = " << w;
+    const std::optional<Camera> read = toCamera(conversion->info);
+    ASSERT_TRUE(read);
+    // The distance with the best rotation cannot exceed the direct one that is stated.
+    EXPECT_LE(pixelDistance(fov, *read).rms, conversion->error.rms + 1e-6) << "w = " << w;
+  }
+}
+
+TEST(CameraInfo, ReadsBackWhatItWrote) {
+  for (const Camera& camera :
+       {makeCamera(CameraModel::kPinhole, {500, 510, 320, 240}),
+        makeCamera(CameraModel::kRadtan, {421, 422, 354, 252, -0.33, 0.16, 0.001, -0.002}),
+        makeCamera(CameraModel::kRadtan, {421, 422, 354, 252, -0.33, 0.16, 0.001, -0.002, -0.05}),
+        makeCamera(CameraModel::kEquidistant, {300, 301, 320, 240, 0.01, -0.002, 0.001, 0.0})}) {
+    const auto conversion = toCameraInfo(camera);
+    ASSERT_TRUE(conversion);
+    const std::optional<Camera> read = toCamera(conversion->info);
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->model(), camera.model());
+    EXPECT_EQ(read->parameters(), camera.parameters());
+    EXPECT_EQ(read->width(), camera.width());
+    EXPECT_EQ(read->height(), camera.height());
+  }
+}
+
+TEST(CameraInfo, UncalibratedIsAllZeros) {
+  const sensor_msgs::CameraInfo info = uncalibratedCameraInfo(640, 480);
+  EXPECT_EQ(info.width, 640u);
+  EXPECT_EQ(info.K[0], 0.0);
+  EXPECT_EQ(info.P[0], 0.0);
+  EXPECT_TRUE(info.D.empty());
+  EXPECT_TRUE(info.distortion_model.empty());
+  EXPECT_FALSE(toCamera(info));
+}
+
+TEST(CameraInfo, RefusesWhatItCannotRead) {
+  sensor_msgs::CameraInfo info =
+      toCameraInfo(makeCamera(CameraModel::kPinhole, {500, 510, 320, 240}))->info;
+  info.distortion_model = "fov";
+  EXPECT_FALSE(toCamera(info));
+  info.distortion_model = "plumb_bob";
+  info.D.resize(3);
+  EXPECT_FALSE(toCamera(info));
+  EXPECT_FALSE(toCameraInfo(makeCamera(CameraModel::kFov, {311, 310, 327, 233, -1.0})));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

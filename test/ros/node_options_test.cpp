@@ -1,0 +1,51 @@
+#include "camera_self_calibration/ros/node_options.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace camera_self_calibration {
+namespace {
+
+bool mentions(const std::vector<std::string>& problems, const std::string& word) {
+  return std::any_of(problems.begin(), problems.end(), [&](const std::string& problem) {
+    return problem.find(word) != std::string::npos;
+  });
+}
+
+TEST(NodeOptions, DefaultsAreFine) { EXPECT_TRUE(NodeOptions().problems().empty()); }
+
+TEST(NodeOptions, ListsAllViolationsAtOnce) {
+  NodeOptions options;
+  options.model = "fisheye62";
+  options.image_transport = "theora";
+  options.world_frame = "";
+  options.min_publish_change_px = -1.0;
+  options.path_poses = 0;
+  options.pipeline.alpha = 2.0;
+  const std::vector<std::string> problems = options.problems();
+  for (const char* word :
+       {"fisheye62", "theora", "world_frame", "min_publish_change_px", "path_poses", "alpha"}) {
+    EXPECT_TRUE(mentions(problems, word)) << word;
+  }
+}
+
+TEST(NodeOptions, StartValuesMustMatchTheModel) {
+  NodeOptions options;
+  options.model = "radtan";
+  options.initial_intrinsics.assign(8, 1.0);
+  EXPECT_TRUE(options.problems().empty());
+  options.initial_intrinsics.assign(9, 1.0);
+  EXPECT_TRUE(options.problems().empty());
+  options.initial_intrinsics.assign(5, 1.0);
+  EXPECT_TRUE(mentions(options.problems(), "initial_intrinsics"));
+}
+
+TEST(NodeOptions, FramesMustDiffer) {
+  NodeOptions options;
+  options.world_frame = options.child_frame = "camera";
+  EXPECT_TRUE(mentions(options.problems(), "child_frame"));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
