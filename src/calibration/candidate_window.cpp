@@ -60,7 +60,7 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
     return candidate;
   }
   candidate.residual_scale = fit.residual_scale;
-  candidate.sigma_scale = std::max(1.0, fit.residual_scale);
+  candidate.sigma_scale = fit.marginal.sigmaScale();
   candidate.information =
       fit.marginal.information / (candidate.sigma_scale * candidate.sigma_scale);
   SegmentBlock block = freeBlock(&candidate.segment, candidate.camera);

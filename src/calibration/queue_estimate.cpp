@@ -35,7 +35,6 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
   options.step_tolerance = 1e-3;
   options.cost_tolerance = 1e-7;
   const SolveSummary summary = camera_self_calibration::solve(problem, options);
-  solution.usable = summary.usable;
   solution.iterations = summary.iterations;
   double chi_square = 0.0;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -44,8 +43,14 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
   }
   const int freedom = (static_cast<int>(candidates_.size()) - 1) * problem.intrinsicsCount();
   if (freedom > 0) solution.inflation = std::sqrt(std::max(1.0, chi_square / freedom));
-  solution.information = marginalize(problem, options.huber, threads_).information /
-                         (solution.inflation * solution.inflation);
+  const double variance = solution.inflation * solution.inflation;
+  const Marginal marginal = marginalize(problem, options.huber, threads_);
+  solution.information = marginal.information / variance;
+  if (const auto covariance = marginal.robustCovariance()) {
+    solution.covariance = variance * *covariance;
+  }
+  solution.usable =
+      summary.usable && solution.camera.valid() && solution.covariance.size() > 0;
   return solution;
 }
 

@@ -146,7 +146,7 @@ void Startup::judge() {
   if (!fit.usable || !camera.valid()) return;
   camera_ = camera;
   residual_scale_ = fit.residual_scale;
-  const double scale = std::max(1.0, residual_scale_);
+  const double scale = fit.marginal.sigmaScale();
   information_ = fit.marginal.information / (scale * scale);
   usable_ = true;
   // The gated solution is the better one; tracks that did not fit stay with their old depth, since

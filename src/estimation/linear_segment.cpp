@@ -103,6 +103,7 @@ void LinearSegment::resize(const SegmentBlock& block, int intrinsics_count) {
   const int columns = pose_columns_ + intrinsics_count_;
   hessian_.setZero(columns, columns);
   gradient_.setZero(columns);
+  track_gradients_.setZero(columns, static_cast<Eigen::Index>(rows_.size()));
   coupling_.setZero(rows, columns);
   landmark_hessian_.setZero(rows, kMaxLandmarkDimension);
   landmark_gradient_.setZero(rows);
@@ -156,6 +157,7 @@ void LinearSegment::linearize(const SegmentBlock& block, const Camera& camera, i
   for (const Observation& observation : segment.observations) {
     addObservation(block, camera, huber, observation);
   }
+  gradient_ = track_gradients_.rowwise().sum();
 }
 
 void LinearSegment::addObservation(const SegmentBlock& block, const Camera& camera, double huber,
@@ -212,7 +214,7 @@ void LinearSegment::addObservation(const SegmentBlock& block, const Camera& came
 
   for (int a = 0; a < row.columns; ++a) {
     const int column_a = row.column[a];
-    gradient_(column_a) += row.x.col(a).dot(row.residual);
+    track_gradients_(column_a, observation.landmark) += row.x.col(a).dot(row.residual);
     for (int b = 0; b <= a; ++b) {
       hessian_(column_a, row.column[b]) += row.x.col(a).dot(row.x.col(b));
     }
@@ -271,7 +273,9 @@ void LinearSegment::eliminateLandmarks(double damping) {
   }
   schur_ = hessian_;
   schur_.diagonal() *= 1.0 + damping;
-  for (const LandmarkGroup& group : groups_) subtractFromSchur(group);
+  for (const LandmarkGroup& group : groups_) {
+    if (group.rows > 0) subtractFromSchur(group);  // Eigen's rank update takes no empty matrix
+  }
   schur_gradient_.noalias() = gradient_ - whitened_coupling_.transpose() * whitened_gradient_;
 }
 
@@ -282,9 +286,12 @@ void LinearSegment::subtractFromSchur(const LandmarkGroup& group) {
   const auto rows = whitened_coupling_.middleRows(group.row, group.rows);
   const auto poses = rows.middleCols(group.begin_column, width);
   const auto intrinsics = rows.rightCols(c);
-  schur_.block(group.begin_column, group.begin_column, width, width)
-      .selfadjointView<Eigen::Lower>()
-      .rankUpdate(poses.transpose(), -1.0);
+  if (width > 0) {
+    schur_.block(group.begin_column, group.begin_column, width, width)
+        .selfadjointView<Eigen::Lower>()
+        .rankUpdate(poses.transpose(), -1.0);
+  }
+  if (c == 0) return;
   schur_.block(pose_columns_, group.begin_column, c, width).noalias() -=
       intrinsics.transpose() * poses;
   schur_.bottomRightCorner(c, c).selfadjointView<Eigen::Lower>().rankUpdate(intrinsics.transpose(),
@@ -301,6 +308,21 @@ void LinearSegment::eliminatePoses() {
   reduced_hessian_.noalias() -= pose_coupling_.transpose() * pose_coupling_;
   reduced_gradient_ = schur_gradient_.tail(c);
   reduced_gradient_.noalias() -= pose_coupling_.transpose() * pose_projection_;
+}
+
+IntrinsicsMatrix LinearSegment::trackScores() const {
+  IntrinsicsMatrix sum = IntrinsicsMatrix::Zero(intrinsics_count_, intrinsics_count_);
+  for (std::size_t l = 0; l < rows_.size(); ++l) {
+    const auto coupling = whitened_coupling_.middleRows(rows_[l].row, rows_[l].count);
+    const auto gradient = whitened_gradient_.segment(rows_[l].row, rows_[l].count);
+    const Eigen::VectorXd x = track_gradients_.col(static_cast<Eigen::Index>(l)) -
+                              coupling.transpose() * gradient;
+    const Intrinsics score = x.tail(intrinsics_count_) -
+                             pose_coupling_.transpose() *
+                                 (pose_factor_.transpose() * x.head(pose_columns_));
+    sum += score * score.transpose();
+  }
+  return sum;
 }
 
 SegmentStep LinearSegment::backSubstitute(const Intrinsics& intrinsics_step) const {

@@ -1,5 +1,6 @@
 #include "camera_self_calibration/estimation/marginal.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -25,14 +26,44 @@ Marginal marginalize(const Problem& problem, double huber, int threads) {
   });
   Marginal marginal;
   marginal.information.setZero(count, count);
+  marginal.track_scores.setZero(count, count);
   marginal.variables = count;
   for (int i = 0; i < blocks; ++i) {
     marginal.information += linear[i].reducedHessian();
+    marginal.track_scores += linear[i].trackScores();
     marginal.cost += linear[i].cost();
     marginal.observations += static_cast<int>(problem.blocks[i].segment->observations.size());
     marginal.variables += linear[i].poseColumns() + linear[i].landmarkRows();
   }
+  const int freedom = 2 * marginal.observations - marginal.variables;
+  if (freedom > 0) marginal.track_scores *= 2.0 * marginal.observations / freedom;
   return marginal;
+}
+
+double Marginal::designEffect() const {
+  const auto covariance = covarianceFromInformation(information);
+  if (!covariance) return 1.0;
+  const double effect =
+      (*covariance * track_scores).trace() / static_cast<double>(information.rows());
+  return std::isfinite(effect) ? effect : 1.0;
+}
+
+double Marginal::sigmaScale() const {
+  const double scale = residualScale();
+  return std::sqrt(std::max({1.0, scale * scale, designEffect()}));
+}
+
+std::optional<IntrinsicsMatrix> Marginal::robustCovariance() const {
+  const auto covariance = covarianceFromInformation(information);
+  if (!covariance) return std::nullopt;
+  const Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(*covariance).matrixL();
+  // With I^-1 = L L^T: I^-1 M I^-1 = L (L^T M L) L^T, and the middle is the identity for
+  // independent residuals.
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(root.transpose() * track_scores *
+                                                             root);
+  const Eigen::VectorXd variance = eigen.eigenvalues().cwiseMax(1.0);
+  const Eigen::MatrixXd axes = root * eigen.eigenvectors();
+  return IntrinsicsMatrix(axes * variance.asDiagonal() * axes.transpose());
 }
 
 namespace {

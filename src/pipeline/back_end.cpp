@@ -91,20 +91,17 @@ void BackEnd::offerCandidate(const KeyframeMessage& message) {
   solveQueue();
 }
 
-bool BackEnd::solveQueue() {
+void BackEnd::solveQueue() {
   solution_ = estimate_.solve(report_.camera);
-  const auto covariance = covarianceFromInformation(solution_.information);
-  if (!solution_.usable || !solution_.camera.valid() || !covariance) {
-    solution_.usable = false;
-    return false;
-  }
-  if (!handed_over_) return true;
+  if (handed_over_ && solution_.usable) adoptSolution();
+}
+
+void BackEnd::adoptSolution() {
   report_.camera = solution_.camera;
-  report_.covariance = *covariance;
-  report_.uncertainty = pixelUncertainty(report_.camera, *covariance);
-  report_.entropy = entropy(report_.camera, *covariance);
+  report_.covariance = solution_.covariance;
+  report_.uncertainty = pixelUncertainty(report_.camera, report_.covariance);
+  report_.entropy = entropy(report_.camera, report_.covariance);
   changed_ = true;
-  return true;
 }
 
 void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events) {
@@ -114,8 +111,7 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
     return;
   }
   const double threshold = 2.0 * options_.convergedRms(report_.camera.width());
-  const auto covariance = covarianceFromInformation(solution_.information);
-  const PixelError uncertainty = pixelUncertainty(solution_.camera, *covariance);
+  const PixelError uncertainty = pixelUncertainty(solution_.camera, solution_.covariance);
   const double distance = pixelDistance(solution_.camera, startup_.camera()).rms;
   if (report_.uncertainty.rms < threshold &&
       distance > kMaxStartupDistance * (report_.uncertainty.rms + uncertainty.rms)) {
@@ -131,7 +127,7 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
                        solution_.inflation, kMaxInflation);
     return;
   }
-  const double queue_entropy = entropy(solution_.camera, *covariance);
+  const double queue_entropy = entropy(solution_.camera, solution_.covariance);
   if (!(uncertainty.rms < threshold || queue_entropy < options_.handover_entropy)) {
     obstacle_ = format("the queue is good to %.2f px rms, hand-over is below %.2f px",
                        uncertainty.rms, threshold);
@@ -139,7 +135,7 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
   }
   handed_over_ = true;
   report_.handed_over = true;
-  solveQueue();
+  adoptSolution();
   events->push_back({EventType::kHandover, stamp_ns, stamp_ns,
                      format("the queue's estimate took over, good to %.2f px rms (limit %.2f px)",
                             report_.uncertainty.rms, threshold)});

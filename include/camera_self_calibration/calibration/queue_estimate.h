@@ -10,10 +10,13 @@ namespace camera_self_calibration {
 
 /// The joint estimate of the intrinsics over all segments of the queue.
 struct QueueSolution {
-  bool usable = false;
+  bool usable = false;  ///< Valid intrinsics with a covariance.
   Camera camera;
   /// Sum of the segments' marginals at the joint optimum, divided by the square of `inflation`.
   IntrinsicsMatrix information;
+  /// Its inverse, made larger where residuals are correlated along tracks
+  /// (Marginal::robustCovariance); empty where the information is singular.
+  IntrinsicsMatrix covariance;
   /// How far the segments disagree beyond their own uncertainties: sqrt of chi-square per degree of
   /// freedom, at least 1. Each segment's share of the chi-square is twice what its cost rises from
   /// its own optimum to the joint one. It tells of errors that last longer than a segment's

@@ -47,6 +47,11 @@ class LinearSegment {
   const IntrinsicsMatrix& reducedHessian() const { return reduced_hessian_; }
   const Intrinsics& reducedGradient() const { return reduced_gradient_; }
 
+  /// After eliminate(0), at an optimum: `sum s s^T` over the landmarks' tracks, with s the track's
+  /// share of the intrinsics' reduced gradient. Equal to reducedHessian() in expectation if all
+  /// residuals are independent and the sigmas right; larger by what is correlated along a track.
+  IntrinsicsMatrix trackScores() const;
+
   /// The Gauss-Newton change of poses and landmarks, given that of the intrinsics (n_c).
   SegmentStep backSubstitute(const Intrinsics& intrinsics_step) const;
 
@@ -84,6 +89,7 @@ class LinearSegment {
 
   Eigen::MatrixXd hessian_;           // x by x, lower triangle
   Eigen::VectorXd gradient_;          // x
+  Eigen::MatrixXd track_gradients_;   // x by landmarks: each one's share of gradient_
   Eigen::MatrixXd coupling_;          // landmark rows by x
   Eigen::MatrixXd landmark_hessian_;  // landmark rows by 3, lower triangles
   Eigen::VectorXd landmark_gradient_;

@@ -11,12 +11,28 @@ struct Marginal {
   /// Inverse of the intrinsics' block of (J^T J)^-1 (eq. 4): the reduced system that is left when
   /// landmarks and poses are eliminated, undamped. n_c x n_c.
   IntrinsicsMatrix information;
+  /// `sum s s^T` over tracks (LinearSegment::trackScores), with the loss of degrees of freedom made
+  /// up for: as `information` where residuals are independent, larger where they are correlated.
+  IntrinsicsMatrix track_scores;
   double cost = 0.0;     ///< Robust, of all observations.
   int observations = 0;  ///< Each of two coordinates.
   int variables = 0;     ///< Free ones, the intrinsics among them.
 
   /// Residual scale: sqrt of cost per degree of freedom, 1 if the sigmas are right.
   double residualScale() const;
+
+  /// Mean variance of the intrinsics, correlation along tracks considered, over that of the inverse
+  /// information: trace(information^-1 track_scores) / n_c; 1 where it cannot be computed.
+  double designEffect() const;
+
+  /// By how much the sigmas have to grow to explain the residuals, and what is correlated along
+  /// tracks: the root of the larger of the squared residual scale and the design effect; at least 1.
+  double sigmaScale() const;
+
+  /// `I^-1 M I^-1` with I the information and M the track scores: the covariance of the estimate
+  /// whatever the correlation along a track (cluster-robust); in no direction smaller than I^-1.
+  /// Nothing where I is singular (as covarianceFromInformation).
+  std::optional<IntrinsicsMatrix> robustCovariance() const;
 };
 
 /// One fresh undamped linearisation (eqs. 4, 5).

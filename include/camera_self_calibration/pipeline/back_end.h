@@ -32,7 +32,8 @@ class BackEnd {
  private:
   void runStartup(const KeyframeMessage& message);
   void offerCandidate(const KeyframeMessage& message);
-  bool solveQueue();
+  void solveQueue();
+  void adoptSolution();
   void considerHandover(std::int64_t stamp_ns, std::vector<Event>* events);
   void judge(std::int64_t stamp_ns, std::vector<Event>* events);
   void fillQueueReport();
