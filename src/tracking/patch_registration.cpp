@@ -8,16 +8,16 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr int kMaxIterations = 15;
-constexpr double kConverged = 0.01;  // [px] Motion of the patch, rim included, by the last step.
-constexpr double kMaxShift = 4.0;    // [px] From the start: further away is another corner.
-constexpr float kSlack = 2.0f;       // [px] By which the patch may move without a new window.
+constexpr double kConverged = 0.005;  // [px] Motion of the patch, rim included, by the last step.
+constexpr double kMaxShift = 4.0;     // [px] From the start: further away is another corner.
+constexpr float kSlack = 2.0f;        // [px] By which the patch may move without a new window.
 
 constexpr double kMinScale = 0.5;
 constexpr double kMaxScale = 3.0;
 constexpr double kMaxStretch = 3.0;  // Ratio of the singular values of the warp.
 
 // Variance of a camera pixel's own blur, area and optics, assumed [px^2].
-constexpr double kPixelBlur = 0.3;
+constexpr double kPixelBlur = 0.2;
 // Above this scale the next level of the pyramid has still at least the resolution needed.
 constexpr double kMaxScaleOfLevel = 1.6;
 
@@ -26,7 +26,7 @@ struct BlurStep {
   double blur;
   double min_scale;
 };
-constexpr std::array<BlurStep, 3> kBlurSteps = {{{0.3, 0.82}, {0.9, 0.64}, {1.8, 0.0}}};
+constexpr std::array<BlurStep, 3> kBlurSteps = {{{0.3, 0.8}, {0.9, 0.61}, {1.8, 0.0}}};
 constexpr double kBlurHysteresis = 1.1;
 
 // Blurs more as soon as the scale asks for it, less only when it has grown well above.
@@ -60,8 +60,10 @@ bool inside(const Warp& warp, const cv::Mat& image) {
 
 Warp scaled(const Warp& warp, double factor) { return {factor * warp.pixel, factor * warp.linear}; }
 
+using WarpStep = Eigen::Matrix<double, ReferencePatch::kWarp, 1>;
+
 // The warp after the reference was found to be displaced by `step`: W o step^-1.
-Warp compose(const Warp& warp, const ReferencePatch::Vector8d& step) {
+Warp compose(const Warp& warp, const WarpStep& step) {
   Eigen::Matrix2d linear;
   linear << 1.0 + step(2), step(4), step(3), 1.0 + step(5);
   Warp next;
@@ -139,14 +141,14 @@ Registration::Status PatchRegistration::iterate(const ReferencePatch& reference,
       if (!extractWindow(reference, level, warp)) return Registration::Status::kDeformed;
       if (!sampleAt(warp)) return Registration::Status::kDeformed;
     }
-    // The model is linear in gain and offset: the solution holds their full values, not steps.
+    // The model is linear in all but the warp: the solution holds their full values, not steps.
     for (float& value : values_) value -= reference.mean();
-    const ReferencePatch::Vector8d projected = reference.project(values_.data());
-    const ReferencePatch::Vector8d solution = reference.dampedInverse() * projected;
-    result->gain = solution(6);
+    const ReferencePatch::Vector projected = reference.project(values_.data());
+    const ReferencePatch::Vector solution = reference.inverse() * projected;
+    result->gain = solution(ReferencePatch::kGain);
     if (!(result->gain > 0.0)) return Registration::Status::kNotConverged;
     const Warp last = warp;
-    warp = compose(warp, solution / result->gain);
+    warp = compose(warp, solution.head<ReferencePatch::kWarp>() / result->gain);
     if (!warp.pixel.allFinite() || deformed(warp.linear)) return Registration::Status::kDeformed;
     if (!inside(warp, level)) return Registration::Status::kOutside;
     if ((warp.pixel - start.pixel).norm() > kMaxShift) return Registration::Status::kNotConverged;
@@ -159,8 +161,8 @@ Registration::Status PatchRegistration::iterate(const ReferencePatch& reference,
 }
 
 void PatchRegistration::measureResidual(const ReferencePatch& reference,
-                                        const ReferencePatch::Vector8d& projected,
-                                        const ReferencePatch::Vector8d& solution,
+                                        const ReferencePatch::Vector& projected,
+                                        const ReferencePatch::Vector& solution,
                                         Registration* result) const {
   const PatchPoints& points = PatchPoints::get();
   double sum = 0.0;

@@ -16,7 +16,7 @@ namespace {
 
 constexpr int kBorder = ReferencePatch::kRawRadius + 1;  // [px] Around a corner when detected.
 constexpr int kMaskRadius = ReferencePatch::kRawRadius;
-constexpr int kSaturated = 250;             // [gray]
+constexpr int kSaturated = 250;              // [gray]
 constexpr double kMaxSaturatedShare = 0.25;  // Of a patch.
 constexpr double kSpread = 0.4;  // Least distance, against that of features on a square grid.
 
@@ -230,8 +230,9 @@ std::vector<std::string> TrackerOptions::problems() const {
                     std::to_string(max_features) + ".");
   }
   if (!(min_distance_px >= 0.0 && std::isfinite(min_distance_px))) {
-    found.push_back("min_distance_px must be 0 (chosen automatically) or a positive number of "
-                    "pixels.");
+    found.push_back(
+        "min_distance_px must be 0 (chosen automatically) or a positive number of "
+        "pixels.");
   }
   return found;
 }

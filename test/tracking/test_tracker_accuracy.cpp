@@ -53,14 +53,19 @@ void printByAge(const std::vector<TrackSample>& samples) {
   std::vector<double> sig;
   for (const TrackSample& s : samples) {
     if (!s.hidden) by_age[s.age / 5 * 5].add(s);
-  sig.push_back(s.sigma);
+    sig.push_back(s.sigma);
   }
   for (auto& [age, summary] : by_age) {
-    std::printf("age %3d n %5.0f median %.4f p90 %.4f p99 %.4f max %.2f mean (%+.4f %+.4f) z %.2f >1px %.4f\n", age, summary.count(),
-                median(summary.lengths), percentile(summary.lengths, .9), percentile(summary.lengths, .99), percentile(summary.lengths, 1), summary.sum.x() / summary.count(),
-                summary.sum.y() / summary.count(), summary.zRms(), summary.share(1));
+    std::printf(
+        "age %3d n %5.0f median %.4f p90 %.4f p99 %.4f max %.2f mean (%+.4f %+.4f) z %.2f >1px "
+        "%.4f\n",
+        age, summary.count(), median(summary.lengths), percentile(summary.lengths, .9),
+        percentile(summary.lengths, .99), percentile(summary.lengths, 1),
+        summary.sum.x() / summary.count(), summary.sum.y() / summary.count(), summary.zRms(),
+        summary.share(1));
   }
-  std::printf("median sigma %.4f hidden %d\n", median(sig), (int)std::count_if(samples.begin(), samples.end(), [](auto& s){return s.hidden;}));
+  std::printf("median sigma %.4f hidden %d\n", median(sig),
+              (int)std::count_if(samples.begin(), samples.end(), [](auto& s) { return s.hidden; }));
 }
 
 TEST(TrackerAccuracy, Pinhole) {
@@ -84,7 +89,10 @@ TEST(TrackerAccuracy, Wide) {
   };
   const auto samples = trackSequence(renderer, options);
   printByAge(samples);
-  struct Bin { double n = 0, radial = 0, motion = 0, fromref=0, r2=0; std::vector<double> len;};
+  struct Bin {
+    double n = 0, radial = 0, motion = 0, fromref = 0, r2 = 0;
+    std::vector<double> len;
+  };
   std::map<int, Bin> bins;
   const Eigen::Vector2d centre(319.5, 239.5);
   for (const TrackSample& s : samples) {
@@ -93,13 +101,16 @@ TEST(TrackerAccuracy, Wide) {
     if (std::abs(r - r0) < 100) continue;
     Bin& b = bins[(int)r / 50 * 50 + (r > r0 ? 1000 : 0)];
     const double radial = s.error.dot((s.truth - centre) / r);
-    b.n += 1; b.radial += radial; b.r2 += radial * radial;
+    b.n += 1;
+    b.radial += radial;
+    b.r2 += radial * radial;
     b.motion += s.error.dot((s.truth - s.last_truth).normalized());
     b.fromref += s.error.dot((s.truth - s.reference).normalized());
     b.len.push_back(s.error.norm());
   }
   for (auto& [r, b] : bins)
-    std::printf("%s r %3d n %5.0f radial %+.4f +- %.4f motion %+.4f from ref %+.4f med %.4f\n", r >= 1000 ? "out" : "in ", r % 1000, b.n, b.radial / b.n, std::sqrt(b.r2)/b.n,
+    std::printf("%s r %3d n %5.0f radial %+.4f +- %.4f motion %+.4f from ref %+.4f med %.4f\n",
+                r >= 1000 ? "out" : "in ", r % 1000, b.n, b.radial / b.n, std::sqrt(b.r2) / b.n,
                 b.motion / b.n, b.fromref / b.n, median(b.len));
 }
 

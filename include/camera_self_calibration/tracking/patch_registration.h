@@ -46,8 +46,8 @@ class PatchRegistration {
   bool sampleAt(const Warp& warp);
   Registration::Status iterate(const ReferencePatch& reference, const cv::Mat& level,
                                Registration* result);
-  void measureResidual(const ReferencePatch& reference, const ReferencePatch::Vector8d& projected,
-                       const ReferencePatch::Vector8d& solution, Registration* result) const;
+  void measureResidual(const ReferencePatch& reference, const ReferencePatch::Vector& projected,
+                       const ReferencePatch::Vector& solution, Registration* result) const;
 
   SmoothWindow window_;
   alignas(16) std::array<float, PatchPoints::kCount> x_;
