@@ -8,11 +8,9 @@ namespace {
 
 constexpr int kBlock = 4;  // Points side by side.
 
-// Standard deviations of the priors, at one gray value of noise. On the warp they only damp a step:
-// they leave the minimum where it is, and keep what the patch does not determine (the scale of an
-// ideal corner) from wandering.
+// Standard deviations of the priors. That of the shift only damps a step.
 constexpr double kShiftPrior = 1.0;        // [px]
-constexpr double kLinearPrior = 0.1;       // [1]
+constexpr double kLinearPrior = 0.04;      // [1]
 constexpr double kPhotometricPrior = 1e3;  // Gain [1], offset [gray]: free.
 constexpr double kBlurPrior = 0.5;         // [px^2]
 constexpr double kBendingPrior = 0.002;    // [1/px] 140 degrees over 640 px bend by 1/f / 2.
@@ -86,13 +84,14 @@ void ReferencePatch::cut(const cv::Mat& image, int x, int y) {
   blur_ = -1.0;
 }
 
-bool ReferencePatch::prepare(double blur) {
+bool ReferencePatch::prepare(double blur, double noise) {
   constexpr int side = 2 * kRawRadius + 1;
   constexpr int margin = SmoothWindow::kKernelRadius;
   const cv::Mat image(side, side, CV_8UC1, raw_.data());
   SmoothWindow window;
   window.extract(image, cv::Rect(margin, margin, side - 2 * margin, side - 2 * margin), blur, blur);
   blur_ = blur;
+  noise_ = noise;
   fillJacobian(window);
   return invertHessian();
 }
@@ -130,17 +129,19 @@ void ReferencePatch::fillJacobian(const SmoothWindow& window) {
 }
 
 bool ReferencePatch::invertHessian() {
-  Vector prior;
-  prior << Eigen::Vector2d::Constant(kShiftPrior), Eigen::Vector4d::Constant(kLinearPrior),
+  Vector sigma;
+  sigma << Eigen::Vector2d::Constant(kShiftPrior), Eigen::Vector4d::Constant(kLinearPrior),
       Eigen::Vector2d::Constant(kPhotometricPrior), Eigen::Vector3d::Constant(kBlurPrior),
       Vector6d::Constant(kBendingPrior);
+  prior_ = noise_ * sigma.unaryExpr(&squaredInverse);
   Matrix sum = hessian_;
-  sum.diagonal() += prior.unaryExpr(&squaredInverse);
+  sum.diagonal() += prior_;
   const Eigen::LLT<Matrix> cholesky(sum);
   if (cholesky.info() != Eigen::Success) return false;
   inverse_ = cholesky.solve(Matrix::Identity());
   const Eigen::Matrix<double, 2, kParameters> rows = inverse_.topRows<2>();
-  shift_covariance_ = rows * squared_ * rows.transpose();
+  shift_covariance_ =
+      rows * squared_ * rows.transpose() + rows * prior_.asDiagonal() * rows.transpose();
   return shift_covariance_.allFinite();
 }
 

@@ -14,8 +14,8 @@ constexpr double kMaxGain = 5.0;
 
 // The parameters fit a part of the noise; from simulation, with what smoothing adds to it.
 constexpr double kResidualFactor = 1.2;
-// Variance of a position against that for white noise of the residual's size; from simulation.
-constexpr double kCovarianceFactor = 4.0;
+// Variance of white noise against what smoothing leaves of it in the residual; from simulation.
+constexpr double kWhiteFactor = 4.0;
 constexpr double kFloor = 0.008;  // [px] What the warp model and the interpolation leave.
 
 constexpr int kMinSample = 8;  // Registrations to learn the noise from.
@@ -25,9 +25,11 @@ constexpr double kForget = 0.1;
 
 double TrackGate::sigma(const Registration& registration) const {
   const double noise = std::max(noise_, kResidualFactor * registration.residual);
-  const double variance = 0.5 * registration.unit_covariance.trace() * noise * kCovarianceFactor;
+  const double variance = 0.5 * registration.unit_covariance.trace() * kWhiteFactor * noise;
   return std::sqrt(variance + kFloor * kFloor);
 }
+
+double TrackGate::whiteNoise() const { return kWhiteFactor * noise_; }
 
 bool TrackGate::accepts(const Registration& registration) const {
   if (registration.status != Registration::Status::kGood) return false;

@@ -51,9 +51,10 @@ class ReferencePatch {
   /// prepared before anything else is asked of it.
   void cut(const cv::Mat& image, int x, int y);
 
-  /// Computes values, gradients and Hessian at a blur [px^2] beyond that of the spline. False if
-  /// the patch does not fix its position.
-  bool prepare(double blur);
+  /// Computes values, gradients and Hessian at a blur [px^2] beyond that of the spline, with priors
+  /// for a variance of the difference between two patches of `noise` [gray^2]. False if the patch
+  /// does not fix its position.
+  bool prepare(double blur, double noise);
 
   /// Negative if not prepared.
   double blur() const { return blur_; }
@@ -62,7 +63,10 @@ class ReferencePatch {
   float mean() const { return mean_; }
   /// `J^T W J`.
   const Matrix& hessian() const { return hessian_; }
-  /// `(J^T W J + D)^-1`, D from the priors.
+  /// D, diagonal: noise over the variances of the priors. The affine warp's linear part is held
+  /// to that of the image before.
+  const Vector& prior() const { return prior_; }
+  /// `(J^T W J + D)^-1`.
   const Matrix& inverse() const { return inverse_; }
   /// Covariance of the shift [px^2] for white noise of one gray value in the image.
   const Eigen::Matrix2d& shiftCovariance() const { return shift_covariance_; }
@@ -78,10 +82,12 @@ class ReferencePatch {
   // Weighted derivatives, four points of one parameter side by side: [block][parameter][4].
   alignas(16) std::array<float, kParameters * PatchPoints::kCount> weighted_jacobian_;
   double blur_ = -1.0;
+  double noise_ = 1.0;
   double contrast_ = 0.0;
   float mean_ = 0.0f;
   Matrix hessian_;
   Matrix squared_;  // J^T W^2 J: the covariance of J^T W noise.
+  Vector prior_;
   Matrix inverse_;
   Eigen::Matrix2d shift_covariance_;
 };
