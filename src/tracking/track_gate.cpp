@@ -16,7 +16,7 @@ constexpr double kMaxGain = 5.0;
 constexpr double kResidualFactor = 1.2;
 // Variance of white noise against what smoothing leaves of it in the residual; from simulation.
 constexpr double kWhiteFactor = 4.0;
-constexpr double kFloor = 0.008;  // [px] What the warp model and the interpolation leave.
+constexpr double kFloor = 0.006;  // [px] What the warp model and the interpolation leave.
 
 constexpr int kMinSample = 8;  // Registrations to learn the noise from.
 constexpr double kForget = 0.1;
