@@ -5,8 +5,8 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kLevel = 2;      // Of the pyramid.
-constexpr int kDarkest = 24;   // [gray] Nothing brighter is counted as dark.
+constexpr int kLevel = 2;     // Of the pyramid.
+constexpr int kDarkest = 32;  // [gray] Nothing brighter is counted as dark.
 
 }  // namespace
 

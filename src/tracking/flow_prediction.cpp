@@ -5,8 +5,8 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kMaxReturn = 1.0;         // [px] Between a point and where the way back leads.
-constexpr double kMinEigenvalue = 1e-4;    // OpenCV's default: drops windows without texture.
+constexpr double kMaxReturn = 1.0;       // [px] Between a point and where the way back leads.
+constexpr double kMinEigenvalue = 1e-4;  // OpenCV's default: drops windows without texture.
 const cv::TermCriteria kForward(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 10, 0.05);
 const cv::TermCriteria kBackward(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 5, 0.1);
 

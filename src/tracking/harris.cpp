@@ -107,8 +107,8 @@ void HarrisDetector::order(int cell) {
   round_.clear();
   for (const Corner& corner : corners_) {
     if (corner.response < threshold) break;
-    round_.push_back(in_cell_[static_cast<std::size_t>(corner.y / cell * columns +
-                                                       corner.x / cell)]++);
+    round_.push_back(
+        in_cell_[static_cast<std::size_t>(corner.y / cell * columns + corner.x / cell)]++);
   }
   order_.resize(round_.size());
   std::iota(order_.begin(), order_.end(), std::size_t{0});

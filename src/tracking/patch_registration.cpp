@@ -4,20 +4,25 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/tracking/secant_steps.h"
+
 namespace camera_self_calibration {
 namespace {
 
 constexpr int kMaxIterations = 15;
-constexpr double kConverged = 0.01;  // [px] Motion of the patch, rim included, by the last step.
-constexpr double kMaxShift = 4.0;    // [px] From the start: further away is another corner.
-constexpr float kSlack = 2.0f;       // [px] By which the patch may move without a new window.
+// The last step [px], of the centre and of the rim: what the patch does not determine of the linear
+// part may creep on.
+constexpr double kConvergedShift = 0.004;
+constexpr double kConvergedRim = 0.1;
+constexpr double kMaxShift = 4.0;  // [px] From the start: further away is another corner.
+constexpr float kSlack = 2.0f;     // [px] By which the patch may move without a new window.
 
 constexpr double kMinScale = 0.5;
 constexpr double kMaxScale = 3.0;
 constexpr double kMaxStretch = 3.0;  // Ratio of the singular values of the warp.
 
 // Variance of a camera pixel's own blur, area and optics, assumed [px^2].
-constexpr double kPixelBlur = 0.3;
+constexpr double kPixelBlur = 0.2;
 // Above this scale the next level of the pyramid has still at least the resolution needed.
 constexpr double kMaxScaleOfLevel = 1.6;
 
@@ -26,7 +31,7 @@ struct BlurStep {
   double blur;
   double min_scale;
 };
-constexpr std::array<BlurStep, 3> kBlurSteps = {{{0.3, 0.82}, {0.9, 0.64}, {1.8, 0.0}}};
+constexpr std::array<BlurStep, 3> kBlurSteps = {{{0.3, 0.8}, {0.9, 0.61}, {1.8, 0.0}}};
 constexpr double kBlurHysteresis = 1.1;
 
 // Blurs more as soon as the scale asks for it, less only when it has grown well above.
@@ -61,7 +66,7 @@ bool inside(const Warp& warp, const cv::Mat& image) {
 Warp scaled(const Warp& warp, double factor) { return {factor * warp.pixel, factor * warp.linear}; }
 
 // The warp after the reference was found to be displaced by `step`: W o step^-1.
-Warp compose(const Warp& warp, const ReferencePatch::Vector8d& step) {
+Warp compose(const Warp& warp, const WarpStep& step) {
   Eigen::Matrix2d linear;
   linear << 1.0 + step(2), step(4), step(3), 1.0 + step(5);
   Warp next;
@@ -70,9 +75,21 @@ Warp compose(const Warp& warp, const ReferencePatch::Vector8d& step) {
   return next;
 }
 
-double motion(const Warp& from, const Warp& to) {
-  return (to.pixel - from.pixel).norm() +
-         PatchPoints::kDiscRadius * (to.linear - from.linear).norm() * M_SQRT1_2;
+// What the prior adds to the right-hand side: it holds the linear part to that of the start.
+ReferencePatch::Vector priorPull(const ReferencePatch& reference, const Warp& start,
+                                 const Warp& warp, double gain) {
+  const Eigen::Matrix2d deviation =
+      Eigen::Matrix2d::Identity() - warp.linear.inverse() * start.linear;
+  ReferencePatch::Vector pull = ReferencePatch::Vector::Zero();
+  pull.segment<4>(2) = gain * reference.prior().segment<4>(2).cwiseProduct(
+                                  Eigen::Map<const Eigen::Vector4d>(deviation.data()));
+  return pull;
+}
+
+bool converged(const Warp& from, const Warp& to) {
+  const double shift = (to.pixel - from.pixel).norm();
+  const double rim = PatchPoints::kDiscRadius * M_SQRT1_2 * (to.linear - from.linear).norm();
+  return shift < kConvergedShift && rim < kConvergedRim;
 }
 
 }  // namespace
@@ -87,7 +104,7 @@ Registration PatchRegistration::run(ReferencePatch* reference, const ImagePyrami
   }
   double scale = std::sqrt(start.linear.determinant());
   const double blur = referenceBlur(scale, reference->blur());
-  if (blur != reference->blur() && !reference->prepare(blur)) return result;
+  if (blur != reference->blur() && !reference->prepare(blur, noise_)) return result;
 
   int level = 0;
   for (; scale > kMaxScaleOfLevel && level + 1 < image.levels(); ++level) scale *= 0.5;
@@ -132,25 +149,26 @@ Registration::Status PatchRegistration::iterate(const ReferencePatch& reference,
                                                 const cv::Mat& level, Registration* result) {
   const Warp start = result->warp;
   Warp& warp = result->warp;
+  SecantSteps steps;
   if (!inside(warp, level)) return Registration::Status::kOutside;
   if (!extractWindow(reference, level, warp)) return Registration::Status::kDeformed;
   for (result->iterations = 1; result->iterations <= kMaxIterations; ++result->iterations) {
-    if (!sampleAt(warp)) {
-      if (!extractWindow(reference, level, warp)) return Registration::Status::kDeformed;
-      if (!sampleAt(warp)) return Registration::Status::kDeformed;
+    if (!sampleAt(warp) && !(extractWindow(reference, level, warp) && sampleAt(warp))) {
+      return Registration::Status::kDeformed;
     }
-    // The model is linear in gain and offset: the solution holds their full values, not steps.
     for (float& value : values_) value -= reference.mean();
-    const ReferencePatch::Vector8d projected = reference.project(values_.data());
-    const ReferencePatch::Vector8d solution = reference.dampedInverse() * projected;
-    result->gain = solution(6);
+    const ReferencePatch::Vector projected = reference.project(values_.data());
+    // The model is linear in all but the warp: the solution holds their full values, not steps.
+    const ReferencePatch::Vector solution =
+        reference.inverse() * (projected + priorPull(reference, start, warp, result->gain));
+    result->gain = solution(ReferencePatch::kGain);
     if (!(result->gain > 0.0)) return Registration::Status::kNotConverged;
     const Warp last = warp;
-    warp = compose(warp, solution / result->gain);
+    warp = compose(warp, steps.next(solution.head<ReferencePatch::kWarp>() / result->gain));
     if (!warp.pixel.allFinite() || deformed(warp.linear)) return Registration::Status::kDeformed;
     if (!inside(warp, level)) return Registration::Status::kOutside;
     if ((warp.pixel - start.pixel).norm() > kMaxShift) return Registration::Status::kNotConverged;
-    if (motion(last, warp) < kConverged) {
+    if (converged(last, warp)) {
       measureResidual(reference, projected, solution, result);
       return Registration::Status::kGood;
     }
@@ -159,8 +177,8 @@ Registration::Status PatchRegistration::iterate(const ReferencePatch& reference,
 }
 
 void PatchRegistration::measureResidual(const ReferencePatch& reference,
-                                        const ReferencePatch::Vector8d& projected,
-                                        const ReferencePatch::Vector8d& solution,
+                                        const ReferencePatch::Vector& projected,
+                                        const ReferencePatch::Vector& solution,
                                         Registration* result) const {
   const PatchPoints& points = PatchPoints::get();
   double sum = 0.0;

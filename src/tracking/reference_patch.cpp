@@ -8,16 +8,47 @@ namespace {
 
 constexpr int kBlock = 4;  // Points side by side.
 
-// Damping of a step, as the inverse square of a standard deviation at one gray value of noise: the
-// linear part of the warp by 0.1, the shift by 1 px. It leaves the minimum where it is, and keeps
-// directions that the patch does not determine (the scale of an ideal corner) from wandering.
-constexpr double kShiftDamping = 1.0;
-constexpr double kLinearDamping = 100.0;
-constexpr double kPhotometricDamping = 1e-6;
+// Standard deviations of the priors. That of the shift only damps a step.
+constexpr double kShiftPrior = 1.0;        // [px]
+constexpr double kLinearPrior = 0.04;      // [1]
+constexpr double kPhotometricPrior = 1e3;  // Gain [1], offset [gray]: free.
+constexpr double kBlurPrior = 0.5;         // [px^2]
+constexpr double kBendingPrior = 0.002;    // [1/px] 140 degrees over 640 px bend by 1/f / 2.
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+double squaredInverse(double sigma) { return 1.0 / (sigma * sigma); }
 
 double weightAt(int u, int v) {
-  const double inside = 1.0 - (u * u + v * v) / (PatchPoints::kDiscRadius * PatchPoints::kDiscRadius);
+  const double inside =
+      1.0 - (u * u + v * v) / (PatchPoints::kDiscRadius * PatchPoints::kDiscRadius);
   return inside > 0.0 ? inside * inside : 0.0;
+}
+
+struct Derivatives {
+  float value, x, y, xx, xy, yy;
+};
+
+// The cubic spline and its exact derivatives at a sample: [1 4 1] / 6, [-1 0 1] / 2, [1 -2 1].
+Derivatives derivatives(const SmoothWindow& window, int u, int v) {
+  constexpr int centre = PatchPoints::kRadius + 1;
+  const float* row = window.row(centre + v) + centre + u;
+  const float* above = row - SmoothWindow::kMaxSide;
+  const float* below = row + SmoothWindow::kMaxSide;
+  const float left = (above[-1] + 4.0f * row[-1] + below[-1]) / 6.0f;
+  const float middle = (above[0] + 4.0f * row[0] + below[0]) / 6.0f;
+  const float right = (above[1] + 4.0f * row[1] + below[1]) / 6.0f;
+  const float top = (above[-1] + 4.0f * above[0] + above[1]) / 6.0f;
+  const float centre_row = (row[-1] + 4.0f * row[0] + row[1]) / 6.0f;
+  const float bottom = (below[-1] + 4.0f * below[0] + below[1]) / 6.0f;
+  Derivatives d;
+  d.value = (left + 4.0f * middle + right) / 6.0f;
+  d.x = 0.5f * (right - left);
+  d.y = 0.5f * (bottom - top);
+  d.xx = left - 2.0f * middle + right;
+  d.xy = 0.25f * (below[1] - below[-1] - above[1] + above[-1]);
+  d.yy = top - 2.0f * centre_row + bottom;
+  return d;
 }
 
 }  // namespace
@@ -53,73 +84,68 @@ void ReferencePatch::cut(const cv::Mat& image, int x, int y) {
   blur_ = -1.0;
 }
 
-bool ReferencePatch::prepare(double blur) {
+bool ReferencePatch::prepare(double blur, double noise) {
   constexpr int side = 2 * kRawRadius + 1;
   constexpr int margin = SmoothWindow::kKernelRadius;
   const cv::Mat image(side, side, CV_8UC1, raw_.data());
   SmoothWindow window;
   window.extract(image, cv::Rect(margin, margin, side - 2 * margin, side - 2 * margin), blur, blur);
   blur_ = blur;
+  noise_ = noise;
   fillJacobian(window);
   return invertHessian();
 }
 
 void ReferencePatch::fillJacobian(const SmoothWindow& window) {
   const PatchPoints& points = PatchPoints::get();
-  constexpr int centre = PatchPoints::kRadius + 1;
-  alignas(16) std::array<float, PatchPoints::kCount> value, gradient_x, gradient_y;
+  std::array<Derivatives, PatchPoints::kCount> at;
   double sum = 0.0;
   for (std::size_t i = 0; i < PatchPoints::kCount; ++i) {
-    const int x = centre + static_cast<int>(points.u[i]);
-    const float* row = window.row(centre + static_cast<int>(points.v[i])) + x;
-    const float* above = row - SmoothWindow::kMaxSide;
-    const float* below = row + SmoothWindow::kMaxSide;
-    // The cubic spline and its exact derivatives at a sample: [1 4 1] / 6 and [-1 0 1] / 2.
-    const float left = (above[-1] + 4.0f * row[-1] + below[-1]) / 6.0f;
-    const float middle = (above[0] + 4.0f * row[0] + below[0]) / 6.0f;
-    const float right = (above[1] + 4.0f * row[1] + below[1]) / 6.0f;
-    const float top = (above[-1] + 4.0f * above[0] + above[1]) / 6.0f;
-    const float bottom = (below[-1] + 4.0f * below[0] + below[1]) / 6.0f;
-    value[i] = (left + 4.0f * middle + right) / 6.0f;
-    gradient_x[i] = 0.5f * (right - left);
-    gradient_y[i] = 0.5f * (bottom - top);
-    sum += points.weight[i] * value[i];
+    at[i] = derivatives(window, static_cast<int>(points.u[i]), static_cast<int>(points.v[i]));
+    sum += points.weight[i] * at[i].value;
   }
   mean_ = static_cast<float>(sum / points.weight_sum);
 
   hessian_.setZero();
   squared_.setZero();
   for (std::size_t i = 0; i < PatchPoints::kCount; ++i) {
-    const float gx = gradient_x[i], gy = gradient_y[i], u = points.u[i], v = points.v[i];
+    const float u = points.u[i], v = points.v[i], w = points.weight[i];
+    const Derivatives& d = at[i];
     Eigen::Matrix<float, kParameters, 1> j;
-    j << gx, gy, gx * u, gy * u, gx * v, gy * v, value[i] - mean_, 1.0f;
+    j << d.x, d.y, d.x * u, d.y * u, d.x * v, d.y * v,  // affine warp
+        d.value - mean_, 1.0f,                          // gain, offset
+        d.xx, d.xy, d.yy,                               // blur
+        d.x * u * u, d.x * u * v, d.x * v * v, d.y * u * u, d.y * u * v, d.y * v * v;  // bending
     for (std::size_t k = 0; k < kParameters; ++k) {
       weighted_jacobian_[(i / kBlock * kParameters + k) * kBlock + i % kBlock] =
-          points.weight[i] * j(static_cast<Eigen::Index>(k));
+          w * j(static_cast<Eigen::Index>(k));
     }
-    const Vector8d jd = j.cast<double>();
-    const double w = points.weight[i];
-    hessian_.noalias() += w * jd * jd.transpose();
-    squared_.noalias() += w * w * jd * jd.transpose();
+    hessian_.selfadjointView<Eigen::Lower>().rankUpdate(j.cast<double>(), w);
+    squared_.selfadjointView<Eigen::Lower>().rankUpdate(j.cast<double>(), w * w);
   }
-  contrast_ = hessian_(6, 6) / points.weight_sum;
+  hessian_ = Matrix(hessian_.selfadjointView<Eigen::Lower>());
+  squared_ = Matrix(squared_.selfadjointView<Eigen::Lower>());
+  contrast_ = hessian_(kGain, kGain) / points.weight_sum;
 }
 
 bool ReferencePatch::invertHessian() {
-  Vector8d damping;
-  damping << Eigen::Vector2d::Constant(kShiftDamping), Eigen::Vector4d::Constant(kLinearDamping),
-      Eigen::Vector2d::Constant(kPhotometricDamping);
-  Matrix8d damped = hessian_;
-  damped.diagonal() += damping;
-  const Eigen::LLT<Matrix8d> cholesky(damped);
+  Vector sigma;
+  sigma << Eigen::Vector2d::Constant(kShiftPrior), Eigen::Vector4d::Constant(kLinearPrior),
+      Eigen::Vector2d::Constant(kPhotometricPrior), Eigen::Vector3d::Constant(kBlurPrior),
+      Vector6d::Constant(kBendingPrior);
+  prior_ = noise_ * sigma.unaryExpr(&squaredInverse);
+  Matrix sum = hessian_;
+  sum.diagonal() += prior_;
+  const Eigen::LLT<Matrix> cholesky(sum);
   if (cholesky.info() != Eigen::Success) return false;
-  damped_inverse_ = cholesky.solve(Matrix8d::Identity());
-  const Matrix8d covariance = damped_inverse_ * squared_ * damped_inverse_;
-  shift_covariance_ = covariance.topLeftCorner<2, 2>();
+  inverse_ = cholesky.solve(Matrix::Identity());
+  const Eigen::Matrix<double, 2, kParameters> rows = inverse_.topRows<2>();
+  shift_covariance_ =
+      rows * squared_ * rows.transpose() + rows * prior_.asDiagonal() * rows.transpose();
   return shift_covariance_.allFinite();
 }
 
-ReferencePatch::Vector8d ReferencePatch::project(const float* values) const {
+ReferencePatch::Vector ReferencePatch::project(const float* values) const {
   using Map = Eigen::Map<const Eigen::Array4f>;
   Eigen::Array<float, kBlock, kParameters> sums;
   sums.setZero();

@@ -6,30 +6,15 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kFractions = 512;
-
 using Weights = Eigen::Array4f;
 
-// Weights of the four samples around a point at fraction i / kFractions between the middle two.
-struct SplineTable {
-  alignas(16) std::array<float, 4 * kFractions> weights;
-
-  SplineTable() {
-    for (int i = 0; i < kFractions; ++i) {
-      const double t = (i + 0.5) / kFractions;
-      const double s = 1.0 - t;
-      float* w = &weights[4 * static_cast<std::size_t>(i)];
-      w[0] = static_cast<float>(s * s * s / 6.0);
-      w[1] = static_cast<float>((4.0 - 6.0 * t * t + 3.0 * t * t * t) / 6.0);
-      w[2] = static_cast<float>((4.0 - 6.0 * s * s + 3.0 * s * s * s) / 6.0);
-      w[3] = static_cast<float>(t * t * t / 6.0);
-    }
-  }
-};
-
-const float* splineWeights() {
-  static const SplineTable table;
-  return table.weights.data();
+// Cubic B-spline: weights of the four samples around a point, t beyond the second of them.
+Weights splineWeights(float t) {
+  static const Weights c0(1.0f / 6.0f, 4.0f / 6.0f, 1.0f / 6.0f, 0.0f);
+  static const Weights c1(-0.5f, 0.0f, 0.5f, 0.0f);
+  static const Weights c2(0.5f, -1.0f, 0.5f, 0.0f);
+  static const Weights c3(-1.0f / 6.0f, 0.5f, -0.5f, 1.0f / 6.0f);
+  return ((c3 * t + c2) * t + c1) * t + c0;
 }
 
 // Half of a symmetric kernel, centre first: [b 1-2b b] three times, of the variance wanted. It
@@ -86,16 +71,18 @@ bool SmoothWindow::extract(const cv::Mat& image, const cv::Rect& window, double 
 
 void SmoothWindow::sample(const float* x, const float* y, int count, float* values) const {
   using Map = Eigen::Map<const Eigen::Array4f>;
-  const float* table = splineWeights();
   for (int i = 0; i < count; ++i) {
-    // In 1/kFractions of a pixel; positive, since the point is covered.
-    const int fx = static_cast<int>((x[i] - origin_.x()) * kFractions);
-    const int fy = static_cast<int>((y[i] - origin_.y()) * kFractions);
-    const float* p = pixels_.data() + (fy / kFractions - 1) * kMaxSide + fx / kFractions - 1;
-    const float* wy = table + 4 * (fy % kFractions);
-    const Weights column_sums = wy[0] * Map(p) + wy[1] * Map(p + kMaxSide) +
-                                wy[2] * Map(p + 2 * kMaxSide) + wy[3] * Map(p + 3 * kMaxSide);
-    values[i] = (column_sums * Map(table + 4 * (fx % kFractions))).sum();
+    // Positive, since the point is covered: the conversion to int rounds down.
+    const float in_x = x[i] - origin_.x();
+    const float in_y = y[i] - origin_.y();
+    const int column = static_cast<int>(in_x);
+    const int row = static_cast<int>(in_y);
+    const Weights wx = splineWeights(in_x - static_cast<float>(column));
+    const Weights wy = splineWeights(in_y - static_cast<float>(row));
+    const float* p = pixels_.data() + (row - 1) * kMaxSide + column - 1;
+    const Weights sums = wy[0] * Map(p) + wy[1] * Map(p + kMaxSide) +
+                         wy[2] * Map(p + 2 * kMaxSide) + wy[3] * Map(p + 3 * kMaxSide);
+    values[i] = (wx * sums).sum();
   }
 }
 

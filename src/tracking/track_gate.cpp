@@ -6,17 +6,17 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kMaxSigma = 0.3;        // [px] A worse position is of no use.
-constexpr double kNoiseFactor = 6.0;     // Variance left over against that of the noise.
-constexpr double kContrastShare = 0.06;  // Of the patch's variance, left over by the warp model.
+constexpr double kMaxSigma = 0.3;         // [px] A worse position is of no use.
+constexpr double kNoiseFactor = 6.0;      // Variance left over against that of the noise.
+constexpr double kContrastShare = 0.015;  // Of the patch's variance, left over by the warp model.
 constexpr double kMinGain = 0.2;
 constexpr double kMaxGain = 5.0;
 
-// Eight parameters fit a part of the noise; from simulation, with what smoothing adds to it.
+// The parameters fit a part of the noise; from simulation, with what smoothing adds to it.
 constexpr double kResidualFactor = 1.2;
-// Variance of a position against that for white noise of the residual's size; from simulation.
-constexpr double kCovarianceFactor = 4.0;
-constexpr double kFloor = 0.01;  // [px] What the warp model and the interpolation leave.
+// Variance of white noise against what smoothing leaves of it in the residual; from simulation.
+constexpr double kWhiteFactor = 4.0;
+constexpr double kFloor = 0.006;  // [px] What the warp model and the interpolation leave.
 
 constexpr int kMinSample = 8;  // Registrations to learn the noise from.
 constexpr double kForget = 0.1;
@@ -25,9 +25,11 @@ constexpr double kForget = 0.1;
 
 double TrackGate::sigma(const Registration& registration) const {
   const double noise = std::max(noise_, kResidualFactor * registration.residual);
-  const double variance = 0.5 * registration.unit_covariance.trace() * noise * kCovarianceFactor;
+  const double variance = 0.5 * registration.unit_covariance.trace() * kWhiteFactor * noise;
   return std::sqrt(variance + kFloor * kFloor);
 }
+
+double TrackGate::whiteNoise() const { return kWhiteFactor * noise_; }
 
 bool TrackGate::accepts(const Registration& registration) const {
   if (registration.status != Registration::Status::kGood) return false;

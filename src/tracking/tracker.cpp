@@ -7,6 +7,7 @@
 #include "camera_self_calibration/tracking/field_mask.h"
 #include "camera_self_calibration/tracking/flow_prediction.h"
 #include "camera_self_calibration/tracking/harris.h"
+#include "camera_self_calibration/tracking/local_motion.h"
 #include "camera_self_calibration/tracking/patch_registration.h"
 #include "camera_self_calibration/tracking/pyramid.h"
 #include "camera_self_calibration/tracking/track_gate.h"
@@ -16,8 +17,10 @@ namespace {
 
 constexpr int kBorder = ReferencePatch::kRawRadius + 1;  // [px] Around a corner when detected.
 constexpr int kMaskRadius = ReferencePatch::kRawRadius;
-constexpr int kSaturated = 250;             // [gray]
+constexpr double kNeighbourhood = 0.15;      // [image widths]
+constexpr int kSaturated = 250;              // [gray]
 constexpr double kMaxSaturatedShare = 0.25;  // Of a patch.
+constexpr double kMaxSigma = 0.2;            // [px] Of a new track.
 constexpr double kSpread = 0.4;  // Least distance, against that of features on a square grid.
 
 bool saturated(const cv::Mat& image, int x, int y) {
@@ -52,6 +55,7 @@ struct Tracker::Impl {
   void advance();
   void predict();
   bool registerTrack(std::size_t i);
+  bool registerFrom(std::size_t i, const Warp& start);
   template <typename Keep>
   void keepIf(const Keep& keep);
   bool crowded(const Corner& corner) const;
@@ -70,6 +74,7 @@ struct Tracker::Impl {
   ImagePyramid current;
   FieldMask mask;
   FlowPrediction flow;
+  LocalMotion local_motion;
   PatchRegistration registration;
   TrackGate gate;
   HarrisDetector harris;
@@ -112,12 +117,23 @@ void Tracker::Impl::predict() {
     predicted.emplace_back(guess.x(), guess.y());
   }
   flow.run(previous, current, from, &predicted);
+  local_motion.fit(
+      from, predicted, [this](std::size_t i) { return flow.found(i); },
+      kNeighbourhood * frame.width);
 }
 
+// By the flow, or else by the motion of the neighbours: where a feature nears the image's edge, or
+// its surroundings change, the flow fails first.
 bool Tracker::Impl::registerTrack(std::size_t i) {
-  if (!flow.found(i)) return false;
+  const State& state = states[i];
+  const LocalMotion::Motion motion = local_motion.at(state.warp.pixel);
+  const Eigen::Matrix2d linear = motion.linear * state.warp.linear;
+  if (flow.found(i) && registerFrom(i, {{predicted[i].x, predicted[i].y}, linear})) return true;
+  return registerFrom(i, {motion.pixel, linear});
+}
+
+bool Tracker::Impl::registerFrom(std::size_t i, const Warp& start) {
   State& state = states[i];
-  const Warp start{{predicted[i].x, predicted[i].y}, state.warp.linear};
   const Registration result = registration.run(&patches[state.patch], current, start);
   if (!gate.accepts(result)) return false;
   state.velocity = result.warp.pixel - state.warp.pixel;
@@ -133,6 +149,7 @@ void Tracker::Impl::advance() {
   accepted.clear();
   keepIf([this](std::size_t i) { return registerTrack(i); });
   gate.learn(accepted);
+  registration.setNoise(gate.whiteNoise());
 }
 
 // Calls keep(i) once for each track, in order, and ends those for which it is false.
@@ -167,7 +184,7 @@ bool Tracker::Impl::begin(const Corner& corner) {
                   Eigen::Matrix2d::Identity()};
   // Registered on itself: what sigma the next images are to expect.
   const Registration itself = registration.run(&patch, current, warp);
-  if (!gate.accepts(itself)) return false;
+  if (!gate.accepts(itself) || gate.sigma(itself) > kMaxSigma) return false;
   free_patches.pop_back();
   states.push_back({warp, Eigen::Vector2d::Zero(), slot});
   frame.tracks.push_back({next_id++, warp.pixel, warp.pixel, gate.sigma(itself)});
@@ -230,8 +247,9 @@ std::vector<std::string> TrackerOptions::problems() const {
                     std::to_string(max_features) + ".");
   }
   if (!(min_distance_px >= 0.0 && std::isfinite(min_distance_px))) {
-    found.push_back("min_distance_px must be 0 (chosen automatically) or a positive number of "
-                    "pixels.");
+    found.push_back(
+        "min_distance_px must be 0 (chosen automatically) or a positive number of "
+        "pixels.");
   }
   return found;
 }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 
@@ -23,84 +24,136 @@ Camera wideLens() {
   return Camera(CameraModel::kFov, 640, 480, parameters);
 }
 
+BoxRenderer::Photometry withNoise(double noise) {
+  BoxRenderer::Photometry photometry;
+  photometry.noise = noise;
+  return photometry;
+}
+
 struct Summary {
   std::vector<double> lengths;
-  double z2 = 0.0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double z2 = 0.0;
 
   void add(const TrackSample& sample) {
     lengths.push_back(sample.error.norm());
-    z2 += sample.error.squaredNorm() / (2.0 * sample.sigma * sample.sigma);
     sum += sample.error;
+    z2 += 0.5 * sample.error.squaredNorm() / (sample.sigma * sample.sigma);
   }
   double count() const { return static_cast<double>(lengths.size()); }
   double zRms() const { return std::sqrt(z2 / count()); }
-  double share(double limit) const {
-    double n = 0;
-    for (const double e : lengths) n += e > limit;
-    return n / count();
-  }
 };
 
-double percentile(std::vector<double> v, double p) {
-  if (v.empty()) return 0;
-  std::sort(v.begin(), v.end());
-  return v[static_cast<std::size_t>(p * (v.size() - 1))];
+// By age in steps of ten images.
+std::map<int, Summary> byAge(const std::vector<TrackSample>& samples) {
+  std::map<int, Summary> ages;
+  for (const TrackSample& sample : samples) {
+    if (!sample.hidden) ages[sample.age / 10].add(sample);
+  }
+  for (const auto& [age, summary] : ages) {
+    std::printf("age %2d..%2d: n %5.0f, median error %.4f px, mean (%+.4f %+.4f), z rms %.2f\n",
+                10 * age, 10 * age + 9, summary.count(), median(summary.lengths),
+                summary.sum.x() / summary.count(), summary.sum.y() / summary.count(),
+                summary.zRms());
+  }
+  return ages;
 }
 
-void printByAge(const std::vector<TrackSample>& samples) {
-  std::map<int, Summary> by_age;
-  std::vector<double> sig;
-  for (const TrackSample& s : samples) {
-    if (!s.hidden) by_age[s.age / 5 * 5].add(s);
-  sig.push_back(s.sigma);
+Summary all(const std::vector<TrackSample>& samples) {
+  Summary summary;
+  for (const TrackSample& sample : samples) {
+    if (!sample.hidden) summary.add(sample);
   }
-  for (auto& [age, summary] : by_age) {
-    std::printf("age %3d n %5.0f median %.4f p90 %.4f p99 %.4f max %.2f mean (%+.4f %+.4f) z %.2f >1px %.4f\n", age, summary.count(),
-                median(summary.lengths), percentile(summary.lengths, .9), percentile(summary.lengths, .99), percentile(summary.lengths, 1), summary.sum.x() / summary.count(),
-                summary.sum.y() / summary.count(), summary.zRms(), summary.share(1));
-  }
-  std::printf("median sigma %.4f hidden %d\n", median(sig), (int)std::count_if(samples.begin(), samples.end(), [](auto& s){return s.hidden;}));
+  return summary;
 }
 
-TEST(TrackerAccuracy, Pinhole) {
-  const TexturedBox box(7);
-  const BoxRenderer renderer(box, pinhole(), 3);
+std::vector<TrackSample> handHeld(double noise, int images) {
+  static const BoxRenderer renderer(TexturedBox(7), pinhole(), 3);
   SequenceOptions options;
-  options.images = 45;
+  options.images = images;
   options.world_from_camera = [](int i) {
     return handHeldPose(i, {0.35, 0.3, 0.4}, {0.25, 0.3, 0.25}, 60.0);
   };
-  printByAge(trackSequence(renderer, options));
+  options.photometry = [noise](int) { return withNoise(noise); };
+  return trackSequence(renderer, options);
 }
 
-TEST(TrackerAccuracy, Wide) {
-  const TexturedBox box(8);
-  const BoxRenderer renderer(box, wideLens(), 3);
+TEST(TrackerAccuracy, StaysSubPixelAndDoesNotDrift) {
+  const std::map<int, Summary> ages = byAge(handHeld(1.0, 45));
+  ASSERT_GT(ages.at(3).count(), 200);
+  EXPECT_LT(median(ages.at(3).lengths), 0.05);
+  EXPECT_LT(median(ages.at(4).lengths), 0.05);
+  // Error that added up from image to image would grow with the square root of age at least.
+  EXPECT_LT(median(ages.at(3).lengths), 1.5 * median(ages.at(1).lengths));
+  const Summary total = all(handHeld(1.0, 20));
+  EXPECT_LT((total.sum / total.count()).norm(), 0.01);
+}
+
+TEST(TrackerAccuracy, SigmaIsHonestAtAnyNoise) {
+  for (const double noise : {0.5, 1.0, 2.0, 4.0}) {
+    const Summary summary = all(handHeld(noise, 20));
+    std::printf("noise %.1f: median error %.4f px, z rms %.2f\n", noise, median(summary.lengths),
+                summary.zRms());
+    EXPECT_GT(summary.zRms(), 0.6) << noise;
+    EXPECT_LT(summary.zRms(), 1.3) << noise;
+  }
+}
+
+// Signed mean errors of the tracks that have moved far along the radius.
+struct RadialBin {
+  double count = 0.0;
+  double radial = 0.0;
+  double along_motion = 0.0;
+  double from_reference = 0.0;
+};
+
+std::map<int, RadialBin> byRadius(const std::vector<TrackSample>& samples, bool outwards) {
+  const Eigen::Vector2d centre(319.5, 239.5);
+  std::map<int, RadialBin> bins;
+  for (const TrackSample& sample : samples) {
+    if (sample.hidden) continue;
+    const double radius = (sample.truth - centre).norm();
+    const double travelled = radius - (sample.reference - centre).norm();
+    if ((outwards ? travelled : -travelled) < 100.0) continue;
+    RadialBin& bin = bins[static_cast<int>(radius) / 75];
+    bin.count += 1.0;
+    bin.radial += sample.error.dot(sample.truth - centre) / radius;
+    bin.along_motion += sample.error.dot((sample.truth - sample.last_truth).normalized());
+    bin.from_reference += sample.error.dot((sample.truth - sample.reference).normalized());
+  }
+  return bins;
+}
+
+void checkBins(const std::map<int, RadialBin>& bins, const char* direction) {
+  int checked = 0;
+  for (const auto& [key, bin] : bins) {
+    const double n = bin.count;
+    std::printf(
+        "%s, radius %3d..%3d px: n %5.0f, radial %+.4f, along the motion %+.4f, away from "
+        "the reference %+.4f px\n",
+        direction, 75 * key, 75 * key + 74, n, bin.radial / n, bin.along_motion / n,
+        bin.from_reference / n);
+    if (n < 50.0) continue;
+    ++checked;
+    EXPECT_LT(std::abs(bin.radial / n), 0.015) << direction << " " << 75 * key;
+    EXPECT_LT(std::abs(bin.along_motion / n), 0.015) << direction << " " << 75 * key;
+    EXPECT_LT(std::abs(bin.from_reference / n), 0.015) << direction << " " << 75 * key;
+  }
+  EXPECT_GE(checked, 3);
+}
+
+TEST(TrackerAccuracy, WideLensShowsNoSignedError) {
+  const BoxRenderer renderer(TexturedBox(8), wideLens(), 3);
   SequenceOptions options;
   options.images = 80;
   options.world_from_camera = [](int i) {
     return handHeldPose(i, {0.3, 0.3, 0.3}, {0.6, 0.9, 0.4}, 80.0);
   };
-  const auto samples = trackSequence(renderer, options);
-  printByAge(samples);
-  struct Bin { double n = 0, radial = 0, motion = 0, fromref=0, r2=0; std::vector<double> len;};
-  std::map<int, Bin> bins;
-  const Eigen::Vector2d centre(319.5, 239.5);
-  for (const TrackSample& s : samples) {
-    if (s.hidden || s.error.norm() > 1) continue;
-    const double r = (s.truth - centre).norm(), r0 = (s.reference - centre).norm();
-    if (std::abs(r - r0) < 100) continue;
-    Bin& b = bins[(int)r / 50 * 50 + (r > r0 ? 1000 : 0)];
-    const double radial = s.error.dot((s.truth - centre) / r);
-    b.n += 1; b.radial += radial; b.r2 += radial * radial;
-    b.motion += s.error.dot((s.truth - s.last_truth).normalized());
-    b.fromref += s.error.dot((s.truth - s.reference).normalized());
-    b.len.push_back(s.error.norm());
-  }
-  for (auto& [r, b] : bins)
-    std::printf("%s r %3d n %5.0f radial %+.4f +- %.4f motion %+.4f from ref %+.4f med %.4f\n", r >= 1000 ? "out" : "in ", r % 1000, b.n, b.radial / b.n, std::sqrt(b.r2)/b.n,
-                b.motion / b.n, b.fromref / b.n, median(b.len));
+  const std::vector<TrackSample> samples = trackSequence(renderer, options);
+  const std::map<int, Summary> ages = byAge(samples);
+  EXPECT_LT(median(ages.at(3).lengths), 0.05);
+  checkBins(byRadius(samples, true), "outwards");
+  checkBins(byRadius(samples, false), "inwards");
 }
 
 }  // namespace

@@ -31,8 +31,8 @@ class HarrisDetector {
 
   static constexpr int kTaps = 5;
   cv::Mat response_;
-  std::vector<float> products_;                        // One row: xx, xy, yy.
-  std::array<std::vector<float>, kTaps> smoothed_;     // Rows of products, smoothed along x.
+  std::vector<float> products_;                     // One row: xx, xy, yy.
+  std::array<std::vector<float>, kTaps> smoothed_;  // Rows of products, smoothed along x.
   std::vector<Corner> corners_;
   std::vector<int> round_;  // Per corner, its rank in its cell.
   std::vector<int> in_cell_;

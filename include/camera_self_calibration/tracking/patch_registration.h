@@ -38,6 +38,9 @@ struct Registration {
 /// reference is blurred.
 class PatchRegistration {
  public:
+  /// Noise of the difference of two patches [gray^2], for references prepared from now on.
+  void setNoise(double noise) { noise_ = noise; }
+
   /// `start` is within about 2 px of the truth. Prepares `reference` anew if the scale asks for it.
   Registration run(ReferencePatch* reference, const ImagePyramid& image, const Warp& start);
 
@@ -46,9 +49,10 @@ class PatchRegistration {
   bool sampleAt(const Warp& warp);
   Registration::Status iterate(const ReferencePatch& reference, const cv::Mat& level,
                                Registration* result);
-  void measureResidual(const ReferencePatch& reference, const ReferencePatch::Vector8d& projected,
-                       const ReferencePatch::Vector8d& solution, Registration* result) const;
+  void measureResidual(const ReferencePatch& reference, const ReferencePatch::Vector& projected,
+                       const ReferencePatch::Vector& solution, Registration* result) const;
 
+  double noise_ = 1.0;
   SmoothWindow window_;
   alignas(16) std::array<float, PatchPoints::kCount> x_;
   alignas(16) std::array<float, PatchPoints::kCount> y_;

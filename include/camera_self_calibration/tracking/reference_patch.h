@@ -13,7 +13,7 @@ namespace camera_self_calibration {
 /// smoothly to zero at the rim. The weights are round, so that what a lens does to the patch beyond
 /// the affine warp pulls its centre as little as possible, and small in variance for that reason.
 struct PatchPoints {
-  static constexpr int kRadius = 7;          ///< Largest offset along an axis [px].
+  static constexpr int kRadius = 7;           ///< Largest offset along an axis [px].
   static constexpr double kDiscRadius = 7.5;  ///< Where the weights reach zero [px].
   static constexpr int kCount = 180;  ///< Points, a multiple of 4; the last ones have no weight.
 
@@ -29,35 +29,50 @@ struct PatchPoints {
 };
 
 /// What is kept of the image in which a corner was detected: the pixels around it, and all that
-/// inverse-compositional registration precomputes from them. Parameters, 8: shift (2), the linear
-/// part of the warp by columns (4), gain, offset.
+/// inverse-compositional registration precomputes from them. Parameters:
+///  - the affine warp: shift (2) and linear part by columns (4);
+///  - gain and offset;
+///  - a change of blur, the coefficients of the second derivatives xx, xy, yy [px^2]: motion blur,
+///    focus, foreshortening;
+///  - the bending of the warp, the coefficients of u^2, u v, v^2 in x and in y [1/px]: what a wide
+///    lens or a slanted surface does beyond the affine warp.
+/// Change of blur and bending are known to be small, and held to that by a prior; left out, they
+/// would displace the patch systematically.
 class ReferencePatch {
  public:
-  static constexpr int kParameters = 8;
+  static constexpr int kWarp = 6;  ///< Parameters of the affine warp, the first ones.
+  static constexpr int kGain = 6;  ///< Index of the gain.
+  static constexpr int kParameters = 17;
   static constexpr int kRawRadius = PatchPoints::kRadius + SmoothWindow::kKernelRadius + 1;
-  using Matrix8d = Eigen::Matrix<double, kParameters, kParameters>;
-  using Vector8d = Eigen::Matrix<double, kParameters, 1>;
+  using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
+  using Vector = Eigen::Matrix<double, kParameters, 1>;
 
   /// Copies the pixels around (x, y), which lies at least kRawRadius inside the image. To be
   /// prepared before anything else is asked of it.
   void cut(const cv::Mat& image, int x, int y);
 
-  /// Computes values, gradients and Hessian at a blur [px^2] beyond that of the spline. False if
-  /// the patch does not fix its position.
-  bool prepare(double blur);
+  /// Computes values, gradients and Hessian at a blur [px^2] beyond that of the spline, with priors
+  /// for a variance of the difference between two patches of `noise` [gray^2]. False if the patch
+  /// does not fix its position.
+  bool prepare(double blur, double noise);
 
   /// Negative if not prepared.
   double blur() const { return blur_; }
   /// Weighted variance of the gray values.
   double contrast() const { return contrast_; }
   float mean() const { return mean_; }
-  const Matrix8d& hessian() const { return hessian_; }
-  const Matrix8d& dampedInverse() const { return damped_inverse_; }
+  /// `J^T W J`.
+  const Matrix& hessian() const { return hessian_; }
+  /// D, diagonal: noise over the variances of the priors. The affine warp's linear part is held
+  /// to that of the image before.
+  const Vector& prior() const { return prior_; }
+  /// `(J^T W J + D)^-1`.
+  const Matrix& inverse() const { return inverse_; }
   /// Covariance of the shift [px^2] for white noise of one gray value in the image.
   const Eigen::Matrix2d& shiftCovariance() const { return shift_covariance_; }
 
-  /// `J^T W values`, J the 8 derivatives; for values of PatchPoints::kCount points.
-  Vector8d project(const float* values) const;
+  /// `J^T W values`, J the derivatives by the parameters; for values of PatchPoints::kCount points.
+  Vector project(const float* values) const;
 
  private:
   void fillJacobian(const SmoothWindow& window);
@@ -67,11 +82,13 @@ class ReferencePatch {
   // Weighted derivatives, four points of one parameter side by side: [block][parameter][4].
   alignas(16) std::array<float, kParameters * PatchPoints::kCount> weighted_jacobian_;
   double blur_ = -1.0;
+  double noise_ = 1.0;
   double contrast_ = 0.0;
   float mean_ = 0.0f;
-  Matrix8d hessian_;
-  Matrix8d squared_;  // J^T W^2 J
-  Matrix8d damped_inverse_;
+  Matrix hessian_;
+  Matrix squared_;  // J^T W^2 J: the covariance of J^T W noise.
+  Vector prior_;
+  Matrix inverse_;
   Eigen::Matrix2d shift_covariance_;
 };
 

@@ -12,9 +12,9 @@ namespace camera_self_calibration {
 /// nothing pulls a registration towards or away from whole pixels.
 class SmoothWindow {
  public:
-  static constexpr int kMaxSide = 72;        ///< [px]
-  static constexpr int kKernelRadius = 3;    ///< Of the blur [px].
-  static constexpr double kMaxBlur = 1.8;    ///< Largest variance of the blur per axis [px^2].
+  static constexpr int kMaxSide = 72;      ///< [px]
+  static constexpr int kKernelRadius = 3;  ///< Of the blur [px].
+  static constexpr double kMaxBlur = 1.8;  ///< Largest variance of the blur per axis [px^2].
   static constexpr double kSplineBlur = 1.0 / 3.0;  ///< Variance of the spline itself [px^2].
 
   /// Takes the pixels x0 <= x < x0 + width (same in y), blurred by a kernel of the given variances.

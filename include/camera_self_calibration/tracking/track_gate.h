@@ -25,6 +25,9 @@ class TrackGate {
   /// Variance of the difference between two registered patches that is due to noise [gray^2].
   double noise() const { return noise_; }
 
+  /// That of white noise with the same effect on a registration: smoothing hides a part of it.
+  double whiteNoise() const;
+
  private:
   double noise_ = 1.0;
   int images_ = 0;

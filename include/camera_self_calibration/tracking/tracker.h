@@ -11,8 +11,8 @@
 namespace camera_self_calibration {
 
 struct TrackerOptions {
-  int max_features = 128;            ///< Live tracks, at most.
-  double min_distance_px = 0.0;      ///< Between features; 0: chosen from image size and count.
+  int max_features = 128;        ///< Live tracks, at most.
+  double min_distance_px = 0.0;  ///< Between features; 0: chosen from image size and count.
 
   /// Every violated bound in one sentence each; empty if all is well.
   std::vector<std::string> problems() const;

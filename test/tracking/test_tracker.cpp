@@ -1,0 +1,258 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "camera_self_calibration/geometry/so3.h"
+#include "tracking/track_errors.h"
+
+namespace camera_self_calibration {
+namespace {
+
+Camera smallCamera() {
+  Intrinsics parameters(4);
+  parameters << 200.0, 200.0, 159.5, 119.5;
+  return Camera(CameraModel::kPinhole, 320, 240, parameters);
+}
+
+const BoxRenderer& renderer() {
+  static const BoxRenderer box_renderer(TexturedBox(3), smallCamera(), 4);
+  return box_renderer;
+}
+
+TestImage still(std::uint64_t noise_seed) {
+  std::mt19937_64 random(noise_seed);
+  return renderer().render(Rigid3(), {}, &random);
+}
+
+// Detected in the first image only.
+SequenceOptions once(int images) {
+  SequenceOptions options;
+  options.images = images;
+  options.detect_every = images;
+  return options;
+}
+
+std::vector<double> errorsInImage(const std::vector<TrackSample>& samples, int image) {
+  std::vector<double> errors;
+  for (const TrackSample& sample : samples) {
+    if (sample.image == image && !sample.hidden) errors.push_back(sample.error.norm());
+  }
+  return errors;
+}
+
+TEST(Tracker, FollowsThroughChangesOfBrightness) {
+  SequenceOptions options = once(12);
+  options.world_from_camera = [](int i) {
+    return Rigid3(expSo3({0.002 * i, 0.003 * i, 0.0}), {0.005 * i, 0.0, 0.0});
+  };
+  options.photometry = [](int i) {
+    BoxRenderer::Photometry photometry;
+    photometry.gain = 1.0 - 0.04 * i;
+    photometry.offset = 2.0 * i;
+    return photometry;
+  };
+  const auto samples = trackSequence(renderer(), options);
+  const auto first = errorsInImage(samples, 1), last = errorsInImage(samples, 11);
+  EXPECT_GT(last.size(), first.size() * 7 / 10);
+  EXPECT_LT(median(last), 0.05);
+}
+
+TEST(Tracker, FollowsThroughATurnOfTheCamera) {
+  SequenceOptions options = once(31);
+  options.world_from_camera = [](int i) {
+    return Rigid3(expSo3({0.0, 0.0, i * 3.0 * M_PI / 180.0}), Eigen::Vector3d::Zero());
+  };
+  const auto errors = errorsInImage(trackSequence(renderer(), options), 30);
+  EXPECT_GT(errors.size(), 20u);
+  EXPECT_LT(median(errors), 0.05);
+}
+
+TEST(Tracker, FollowsThroughChangesOfScale) {
+  for (const double speed : {0.045, -0.05}) {  // [m per image] towards and away from the wall.
+    SequenceOptions options = once(21);
+    options.world_from_camera = [speed](int i) {
+      return Rigid3(Eigen::Quaterniond::Identity(), {0.0, 0.0, speed * i});
+    };
+    const auto errors = errorsInImage(trackSequence(renderer(), options), 20);
+    std::printf("scale %.2f: %zu tracks, median error %.3f px\n", 2.0 / (2.0 - 20 * speed),
+                errors.size(), median(errors));
+    EXPECT_GT(errors.size(), 20u) << speed;
+    EXPECT_LT(median(errors), 0.06) << speed;
+  }
+}
+
+TEST(Tracker, EndsTracksThatAreCovered) {
+  TexturedBox box(3);
+  const BoxRenderer uncovered(box, smallCamera(), 3);
+  box.setCard({0.0, 0.0, 1.2}, 0.3);
+  const BoxRenderer covered(box, smallCamera(), 3);
+  std::mt19937_64 random(1);
+  Tracker tracker{TrackerOptions()};
+  tracker.track(uncovered.render(Rigid3(), {}, &random).view());
+  ASSERT_GT(tracker.detect().size(), 80u);
+  std::size_t before = 0, after = 0, inside = 0;
+  for (const Track& track : tracker.track(uncovered.render(Rigid3(), {}, &random).view()).tracks) {
+    ++before;
+    inside += (track.pixel - Eigen::Vector2d(159.5, 119.5)).lpNorm<Eigen::Infinity>() < 50.0;
+  }
+  ASSERT_GT(inside, 8u);
+  for (const Track& track : tracker.track(covered.render(Rigid3(), {}, &random).view()).tracks) {
+    ++after;
+    EXPECT_GT((track.pixel - Eigen::Vector2d(159.5, 119.5)).lpNorm<Eigen::Infinity>(), 45.0);
+  }
+  EXPECT_GT(after, (before - inside) * 8 / 10);
+}
+
+TEST(Tracker, GatesSilhouettes) {
+  TexturedBox box(11);
+  box.setCard({0.0, 0.0, 1.0}, 0.3);
+  const BoxRenderer with_card(box, smallCamera(), 4);
+  SequenceOptions options = once(25);
+  options.world_from_camera = [](int i) {
+    return Rigid3(Eigen::Quaterniond::Identity(), {0.012 * i, 0.008 * i, 0.0});
+  };
+  const auto samples = trackSequence(with_card, options);
+  const auto errors = errorsInImage(samples, 24);
+  const auto wrong =
+      std::count_if(errors.begin(), errors.end(), [](double error) { return error > 0.5; });
+  std::printf("two depths: %zu tracks at the end, %ld off by more than 0.5 px\n", errors.size(),
+              static_cast<long>(wrong));
+  ASSERT_GT(errors.size(), 30u);
+  EXPECT_LE(wrong, static_cast<long>(errors.size() / 20));
+}
+
+TEST(Tracker, SameImagesGiveTheSameTracks) {
+  SequenceOptions options;
+  options.images = 8;
+  options.detect_every = 3;
+  options.world_from_camera = [](int i) {
+    return handHeldPose(i, {0.1, 0.1, 0.1}, {0.1, 0.1, 0.1}, 30.0);
+  };
+  const auto a = trackSequence(renderer(), options), b = trackSequence(renderer(), options);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].id, b[i].id);
+    EXPECT_EQ(a[i].error, b[i].error);
+    EXPECT_EQ(a[i].sigma, b[i].sigma);
+  }
+}
+
+TEST(Tracker, DetectionSpreadsOverTheImage) {
+  TrackerOptions options;
+  options.max_features = 48;
+  Tracker tracker(options);
+  const TestImage image = still(1);
+  tracker.track(image.view());
+  const std::vector<Track> tracks = tracker.detect();
+  EXPECT_GT(tracks.size(), 40u);
+  EXPECT_LE(tracks.size(), 48u);
+  std::set<int> cells;
+  for (const Track& track : tracks) {
+    EXPECT_EQ(track.pixel, track.reference_pixel);
+    EXPECT_GT(track.sigma, 0.0);
+    cells.insert(static_cast<int>(track.pixel.y()) / 60 * 4 +
+                 static_cast<int>(track.pixel.x()) / 80);
+    for (const Track& other : tracks) {
+      if (other.id == track.id) continue;
+      EXPECT_GT((other.pixel - track.pixel).norm(), 0.4 * std::sqrt(320.0 * 240.0 / 48.0) - 1e-9);
+    }
+  }
+  EXPECT_EQ(cells.size(), 16u);
+  // Nothing is near the features that are there already.
+  EXPECT_EQ(tracker.track(image.view()).tracks.size(), tracks.size());
+  EXPECT_LE(tracker.detect().size(), 48u - tracks.size());
+}
+
+TEST(Tracker, FindsNothingWhereNothingIs) {
+  Tracker tracker{TrackerOptions()};
+  TestImage image{320, 240, std::vector<std::uint8_t>(320 * 240, 90)};
+  tracker.track(image.view());
+  EXPECT_TRUE(tracker.detect().empty());
+  std::mt19937_64 random(1);
+  std::normal_distribution<double> normal(90.0, 1.0);
+  for (std::uint8_t& pixel : image.pixels) {
+    pixel = static_cast<std::uint8_t>(std::lround(normal(random)));
+  }
+  tracker.track(image.view());
+  EXPECT_TRUE(tracker.detect().empty());
+}
+
+TEST(Tracker, TakesNoFeatureFromTheEdgeOfADarkField) {
+  Tracker tracker{TrackerOptions()};
+  TestImage image = still(1);
+  const double radius = 100.0;
+  const auto fromCentre = [](double x, double y) { return std::hypot(x - 160.0, y - 120.0); };
+  for (int y = 0; y < 240; ++y) {
+    for (int x = 0; x < 320; ++x) {
+      if (fromCentre(x, y) > radius) image.pixels[static_cast<std::size_t>(320 * y + x)] = 12;
+    }
+  }
+  tracker.track(image.view());
+  const std::vector<Track> tracks = tracker.detect();
+  EXPECT_GT(tracks.size(), 20u);
+  for (const Track& track : tracks) {
+    EXPECT_LT(fromCentre(track.pixel.x(), track.pixel.y()), radius - 7.0);
+  }
+}
+
+TEST(Tracker, AnotherSizeStartsOver) {
+  Tracker tracker{TrackerOptions()};
+  const TestImage image = still(1);
+  tracker.track(image.view());
+  const std::int64_t last_id = tracker.detect().back().id;
+  const TestImage other{200, 150, std::vector<std::uint8_t>(200 * 150, 7)};
+  EXPECT_TRUE(tracker.track(other.view()).tracks.empty());
+  EXPECT_TRUE(tracker.track(image.view()).tracks.empty());
+  EXPECT_GT(tracker.detect().front().id, last_id);
+}
+
+TEST(Tracker, SurvivesImagesThatAreNone) {
+  Tracker tracker{TrackerOptions()};
+  EXPECT_TRUE(tracker.detect().empty());
+  EXPECT_TRUE(tracker.track(ImageView()).tracks.empty());
+  const TestImage image = still(1);
+  tracker.track(image.view());
+  const std::size_t count = tracker.detect().size();
+  ImageView broken = image.view(17);
+  broken.stride = 10;
+  EXPECT_TRUE(tracker.track(broken).tracks.empty());
+  EXPECT_EQ(tracker.track(broken).stamp_ns, 17);
+  EXPECT_TRUE(tracker.detect().empty());
+  // The tracks wait for the next image.
+  EXPECT_EQ(tracker.track(image.view()).tracks.size(), count);
+  for (const int side : {1, 2, 15, 31}) {
+    const TestImage tiny{side, side, std::vector<std::uint8_t>(2000, 100)};
+    EXPECT_TRUE(tracker.track(tiny.view()).tracks.empty());
+    EXPECT_TRUE(tracker.detect().empty());
+  }
+}
+
+TEST(Tracker, DropsAndResets) {
+  Tracker tracker{TrackerOptions()};
+  const TestImage image = still(1);
+  tracker.track(image.view());
+  const std::vector<Track> tracks = tracker.detect();
+  tracker.drop({tracks[1].id, tracks[4].id, 987654});
+  const TrackedFrame& frame = tracker.track(image.view());
+  EXPECT_EQ(frame.tracks.size(), tracks.size() - 2);
+  for (const Track& track : frame.tracks) {
+    EXPECT_NE(track.id, tracks[1].id);
+    EXPECT_NE(track.id, tracks[4].id);
+  }
+  tracker.reset();
+  EXPECT_TRUE(tracker.detect().empty());
+  EXPECT_TRUE(tracker.track(image.view()).tracks.empty());
+}
+
+TEST(Tracker, OptionsNameEveryProblem) {
+  EXPECT_TRUE(TrackerOptions().problems().empty());
+  TrackerOptions options;
+  options.max_features = 0;
+  options.min_distance_px = -1.0;
+  EXPECT_EQ(options.problems().size(), 2u);
+  EXPECT_THROW(Tracker tracker(options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
