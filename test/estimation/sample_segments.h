@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "camera/sample_cameras.h"
+#include "camera_self_calibration/simulation/segment_maker.h"
+
+namespace camera_self_calibration {
+
+/// One ordinary lens of each model.
+inline std::vector<Camera> ordinaryCameras() {
+  return {camera640(CameraModel::kPinhole, {420, 418, 322, 238}),
+          camera640(CameraModel::kFov, {300, 302, 318, 242, 0.95}),
+          camera640(CameraModel::kRadtan, {420, 422, 318, 243, -0.25, 0.07, 1e-3, -5e-4}),
+          camera640(CameraModel::kEquidistant, {300, 301, 322, 238, -0.02, 0.01, -0.004, 0.001})};
+}
+
+/// A simulated segment, small enough for dense algebra.
+inline SimulatedSegment smallSegment(const Camera& camera, LandmarkOrigin origin,
+                                     double pixel_sigma, std::uint64_t seed, int keyframes = 5,
+                                     int features = 16) {
+  SegmentOptions options;
+  options.camera = camera;
+  options.origin = origin;
+  options.keyframes = keyframes;
+  options.keyframe_interval_s = 0.3;
+  options.tracks.max_features = features;
+  options.tracks.pixel_sigma = pixel_sigma;
+  return makeSegment(options, seed);
+}
+
+inline Camera withParameters(Camera camera, const Intrinsics& parameters) {
+  camera.setParameters(parameters);
+  return camera;
+}
+
+/// Start values for the intrinsics: a few per cent of the focal length, pixels of the centre, and
+/// of the distortion what moves the image's corners by some pixels.
+inline Camera perturbedCamera(const Camera& camera, std::uint64_t seed, double amount = 1.0) {
+  Random random(mixSeed(seed, 77));
+  Intrinsics parameters = camera.parameters();
+  for (int i = 0; i < camera.estimatedCount(); ++i) {
+    const double size = i < 2   ? 0.02 * parameters(i)
+                        : i < 4 ? 5.0
+                        : i < 6 ? 0.02
+                                : (camera.model() == CameraModel::kRadtan ? 1e-3 : 0.005);
+    parameters(i) += amount * size * random.uniform(-1.0, 1.0);
+  }
+  return withParameters(camera, parameters);
+}
+
+}  // namespace camera_self_calibration
