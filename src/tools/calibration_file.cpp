@@ -59,12 +59,12 @@ std::string list(const double* values, Eigen::Index count) {
   return text.str();
 }
 
-/// Kalibr's radtan has four coefficients.
-Camera withKalibrModel(const Camera& camera) {
-  if (camera.model() != CameraModel::kRadtan || camera.parameterCount() == 8) return camera;
-  const std::optional<CameraFit> fit = fitCamera(camera, CameraModel::kRadtan);
-  if (!fit) throw std::runtime_error("the calibration cannot be fitted without k3 for Kalibr");
-  return fit->camera;
+/// Kalibr's radtan has no k3: a camera with it is fitted by the model that comes closest.
+CameraFit withKalibrModel(const Camera& camera) {
+  if (camera.model() != CameraModel::kRadtan || camera.parameterCount() == 8) return {camera, {}};
+  const std::optional<CameraFit> fit = fitCamera(camera, CameraModel::kEquidistant);
+  if (!fit) throw std::runtime_error("the calibration cannot be fitted by a model of Kalibr");
+  return *fit;
 }
 
 const char* kalibrDistortion(CameraModel model) {
@@ -107,9 +107,14 @@ void writeRosCalibration(const std::string& path, const std::string& camera_name
 
 void writeKalibrCalibration(const std::string& path, const std::string& topic,
                             const Camera& camera) {
-  const Camera written = withKalibrModel(camera);
+  const CameraFit fit = withKalibrModel(camera);
+  const Camera& written = fit.camera;
   const Intrinsics& p = written.parameters();
   std::ofstream file(path);
+  if (written.model() != camera.model()) {
+    file << "# fitted to radtan with k3, which Kalibr does not have: off by " << fit.error.rms
+         << " px rms, " << fit.error.max << " px at most\n";
+  }
   file << "cam0:\n"
        << "  camera_model: pinhole\n"
        << "  intrinsics: " << list(p.data(), 4) << "\n"

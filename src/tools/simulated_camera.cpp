@@ -63,7 +63,7 @@ SimulatedCamera::SimulatedCamera(const ros::NodeHandle& node, const SimulationOp
 }
 
 void SimulatedCamera::run() {
-  if (!options_.wait_for.empty() && !waitForSubscriber()) return;
+  if (!options_.wait_for.empty() && !waitForSubscribers()) return;
   const ros::WallDuration period(1.0 / options_.sequence.rate_hz);
   ros::WallTime due = ros::WallTime::now();
   for (int i = 0; i < sequence_.size() && ros::ok(); ++i) {
@@ -80,8 +80,10 @@ void SimulatedCamera::run() {
   publishFinished(sequence_.stampNs(sequence_.size() - 1));
 }
 
-bool SimulatedCamera::waitForSubscriber() {
-  while (ros::ok() && (image_.getNumSubscribers() == 0 || status_.getNumPublishers() == 0)) {
+bool SimulatedCamera::waitForSubscribers() {
+  const auto subscribers = static_cast<std::uint32_t>(options_.image_subscribers);
+  while (ros::ok() &&
+         (image_.getNumSubscribers() < subscribers || status_.getNumPublishers() == 0)) {
     publishClock(sequence_.stampNs(0));
     ros::WallDuration(0.05).sleep();
   }

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "camera_self_calibration/simulation/tum_file.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -49,6 +51,12 @@ void readMotion(const ros::NodeHandle& node, SequenceOptions* sequence) {
   sequence->motion.speed = node.param("speed", sequence->motion.speed);
   sequence->rate_hz = node.param("rate", sequence->rate_hz);
   sequence->duration_s = node.param("duration", sequence->duration_s);
+  // A recorded trajectory in place of the synthetic one.
+  const auto file = node.param<std::string>("trajectory", "");
+  if (file.empty()) return;
+  RealMotionOptions real;
+  real.fit_into = makeRoom(sequence->room).free_space;
+  sequence->trajectory = realMotion(readTum(file), real);
 }
 
 void check(const SimulationOptions& options) {
@@ -73,6 +81,7 @@ SimulationOptions readSimulationOptions(const ros::NodeHandle& private_node) {
   options.world_frame = private_node.param("world_frame", options.world_frame);
   options.publish_clock = private_node.param("publish_clock", options.publish_clock);
   options.wait_for = private_node.param("wait_for", options.wait_for);
+  options.image_subscribers = private_node.param("image_subscribers", options.image_subscribers);
   options.wait_limit_s = private_node.param("wait_limit", options.wait_limit_s);
   check(options);
   return options;

@@ -24,7 +24,7 @@ class SimulatedCamera {
   void run();
 
  private:
-  bool waitForSubscriber();
+  bool waitForSubscribers();
   void publishTruth(const SimulatedFrame& frame);
   void publishFrame(const SimulatedFrame& frame);
   void publishClock(std::int64_t stamp_ns);

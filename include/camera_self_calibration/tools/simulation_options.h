@@ -18,6 +18,7 @@ struct SimulationOptions {
   /// Topic of TrackingStatus: the next image comes when the last one is done. Empty: the camera
   /// waits for nobody.
   std::string wait_for;
+  int image_subscribers = 1;  ///< With wait_for: the first image waits for this many.
   double wait_limit_s = 2.0;  ///< Per image; longer delays are not waited for [s].
 };
 

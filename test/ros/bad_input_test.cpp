@@ -1,0 +1,150 @@
+// Bad images and bad parameters: clear words, no crash, and the work goes on.
+
+#include <camera_self_calibration/TrackingStatus.h>
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <gtest/gtest.h>
+#include <ros/ros.h>
+#include <sensor_msgs/CameraInfo.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sensor_msgs/Image.h>
+
+#include <algorithm>
+#include <random>
+
+#include "ros/recorder.h"
+
+namespace camera_self_calibration {
+namespace {
+
+/// Blocks of random brightness: corners to track in an image that is always the same.
+sensor_msgs::Image picture(double seconds, std::uint32_t width = 320, std::uint32_t height = 240) {
+  sensor_msgs::Image image;
+  image.header.stamp = ros::Time(seconds);
+  image.header.frame_id = "camera";
+  image.encoding = "mono8";
+  image.width = width;
+  image.height = height;
+  image.step = width;
+  constexpr std::uint32_t kBlock = 16;
+  std::mt19937 random(1);
+  std::vector<std::uint8_t> blocks((width / kBlock + 1) * (height / kBlock + 1));
+  for (std::uint8_t& block : blocks) block = static_cast<std::uint8_t>(random() % 256);
+  for (std::uint32_t y = 0; y < height; ++y) {
+    for (std::uint32_t x = 0; x < width; ++x) {
+      image.data.push_back(blocks[y / kBlock * (width / kBlock + 1) + x / kBlock]);
+    }
+  }
+  return image;
+}
+
+bool isAdvertised(const std::string& topic) {
+  ros::master::V_TopicInfo topics;
+  EXPECT_TRUE(ros::master::getTopics(topics));
+  return std::any_of(topics.begin(), topics.end(),
+                     [&](const ros::master::TopicInfo& info) { return info.name == topic; });
+}
+
+class BadInput : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(spinUntil([this] { return publisher_.getNumSubscribers() > 0; }, 20.0));
+    ASSERT_TRUE(spinUntil([this] { return status_.connected(); }, 20.0));
+  }
+
+  /// The node answers a good image: it lives.
+  void expectAlive(double seconds) {
+    publisher_.publish(picture(seconds));
+    EXPECT_TRUE(spinUntil([&] { return hasStatus(seconds); }, 10.0)) << "at " << seconds;
+  }
+
+  bool hasStatus(double seconds) const {
+    for (const auto& message : status_.messages) {
+      if (message->header.stamp == ros::Time(seconds)) return true;
+    }
+    return false;
+  }
+
+  /// Waits for the word in a message of /diagnostics of this name.
+  bool diagnosed(const std::string& name, const std::string& word) {
+    return spinUntil(
+        [&] {
+          for (const auto& array : diagnostics_.messages) {
+            for (const auto& status : array->status) {
+              const bool about = status.name.find(name) != std::string::npos;
+              if (about && status.message.find(word) != std::string::npos) return true;
+            }
+          }
+          return false;
+        },
+        10.0);
+  }
+
+  ros::NodeHandle node_;
+  ros::Publisher publisher_ = node_.advertise<sensor_msgs::Image>("/camera/image_raw", 20);
+  Recorder<TrackingStatus> status_{"/selfcal/tracking_status"};
+  Recorder<diagnostic_msgs::DiagnosticArray> diagnostics_{"/diagnostics"};
+};
+
+TEST_F(BadInput, MalformedImagesAreNamedAndLeftOut) {
+  expectAlive(100.0);
+  sensor_msgs::Image truncated = picture(100.1);
+  truncated.data.resize(1000);
+  publisher_.publish(truncated);
+  EXPECT_TRUE(diagnosed("selfcal: timing", "truncated"));
+  expectAlive(100.2);
+
+  sensor_msgs::Image unknown = picture(100.3);
+  unknown.encoding = "h265";
+  publisher_.publish(unknown);
+  EXPECT_TRUE(diagnosed("selfcal: timing", "h265"));
+  publisher_.publish(sensor_msgs::Image());
+  EXPECT_TRUE(diagnosed("selfcal: timing", "empty"));
+  expectAlive(100.4);
+  EXPECT_FALSE(hasStatus(100.1));
+  EXPECT_FALSE(hasStatus(100.3));
+}
+
+TEST_F(BadInput, AnotherSizeIsNamedAndTheOldOneGoesOn) {
+  expectAlive(200.0);
+  publisher_.publish(picture(200.1, 160, 120));
+  EXPECT_TRUE(diagnosed("selfcal: timing", "320x240 to 160x120"));
+  expectAlive(200.2);
+  EXPECT_FALSE(hasStatus(200.1));
+}
+
+TEST_F(BadInput, AClockThatJumpsBackIsNamedAndTheWorkGoesOn) {
+  expectAlive(300.0);
+  expectAlive(250.0);
+  EXPECT_TRUE(diagnosed("selfcal: timing", "jumped back"));
+  expectAlive(250.1);
+}
+
+TEST_F(BadInput, WrongParametersAreAllListedAndTheNodeStaysIdle) {
+  EXPECT_TRUE(diagnosed("wrong: calibration", "Idle"));
+  for (const char* word : {"alpha", "model", "max_features must be a whole number", "path_poses"}) {
+    EXPECT_TRUE(diagnosed("wrong: calibration", word)) << word;
+  }
+  EXPECT_TRUE(isAdvertised("/selfcal/tracking_status"));
+  EXPECT_FALSE(isAdvertised("/wrong/tracking_status"));
+}
+
+TEST_F(BadInput, DamagedCompressedImagesAreNamed) {
+  ros::Publisher publisher =
+      node_.advertise<sensor_msgs::CompressedImage>("/jpeg/image_raw/compressed", 10);
+  ASSERT_TRUE(spinUntil([&] { return publisher.getNumSubscribers() > 0; }, 20.0));
+  sensor_msgs::CompressedImage garbage;
+  garbage.format = "jpeg";
+  garbage.data.assign(500, 3);
+  publisher.publish(garbage);
+  EXPECT_TRUE(diagnosed("jpeg: timing", "cannot be decoded"));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "bad_input_test");
+  ros::NodeHandle node;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,221 @@
+// The program calibrate_bag as a user runs it: exit codes, messages and files.
+
+#include <camera_calibration_parsers/parse.h>
+#include <gtest/gtest.h>
+#include <std_msgs/String.h>
+#include <sys/wait.h>
+#include <yaml-cpp/yaml.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "camera_self_calibration/simulation/sequence_writer.h"
+#include "tools/small_sequence.h"
+#include "tools/temporary_folder.h"
+
+namespace camera_self_calibration {
+namespace {
+
+std::string contents(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+std::size_t linesOf(const std::string& path) {
+  const std::string text = contents(path);
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
+
+struct Outcome {
+  int exit_code = -1;
+  std::string output;  ///< Standard output and error.
+};
+
+Outcome calibrateBag(const std::string& arguments) {
+  const TemporaryFolder folder;
+  const std::string command =
+      std::string(CALIBRATE_BAG) + " " + arguments + " > " + (folder / "log") + " 2>&1";
+  const int status = std::system(command.c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "log")};
+}
+
+bool mentions(const Outcome& outcome, const std::string& words) {
+  return outcome.output.find(words) != std::string::npos;
+}
+
+/// One bag and its results, shared by the tests that look at them.
+struct ConvergedRun {
+  TemporaryFolder folder;
+  SequenceOptions truth = smallSequence(MotionKind::kHandheld, 15.0);
+  Outcome outcome;
+
+  ConvergedRun() {
+    writeBag(folder / "room.bag", "/camera/image_raw/compressed", truth);
+    outcome = calibrateBag((folder / "room.bag") + " --model fov --out " + (folder / "out"));
+  }
+  std::string out(const std::string& name) const { return folder / ("out/" + name); }
+};
+
+const ConvergedRun& converged() {
+  static const ConvergedRun run;
+  return run;
+}
+
+TEST(CalibrateBag, ConvergesToTheTruth) {
+  ASSERT_EQ(converged().outcome.exit_code, 0) << converged().outcome.output;
+  const YAML::Node summary = YAML::LoadFile(converged().out("summary.json"));
+  EXPECT_EQ(summary["state"].as<std::string>(), "CONVERGED");
+  const YAML::Node camera = summary["camera"];
+  EXPECT_EQ(camera["model"].as<std::string>(), "fov");
+  EXPECT_EQ(camera["width"].as<int>(), 320);
+  EXPECT_EQ(camera["height"].as<int>(), 240);
+  const Camera& truth = converged().truth.lens.camera;
+  const std::vector<std::string> names = truth.parameterNames();
+  std::size_t i = 0;
+  for (const auto& parameter : camera["params"]) {
+    ASSERT_LT(i, names.size());
+    EXPECT_EQ(parameter.first.as<std::string>(), names[i]) << "in the order of the model";
+    const auto sigma = camera["sigma"][names[i]].as<double>();
+    EXPECT_NEAR(parameter.second.as<double>(), truth.parameters()[static_cast<Eigen::Index>(i)],
+                3.0 * sigma)
+        << names[i];
+    ++i;
+  }
+  EXPECT_EQ(i, names.size());
+}
+
+TEST(CalibrateBag, SummaryCountsTheRun) {
+  const YAML::Node summary = YAML::LoadFile(converged().out("summary.json"));
+  const auto frames = summary["frames"].as<std::size_t>();
+  const auto keyframes = summary["keyframes"].as<std::size_t>();
+  EXPECT_EQ(frames, 301u);
+  EXPECT_GT(keyframes, 20u);
+  EXPECT_NEAR(summary["frames_per_second"].as<double>(),
+              static_cast<double>(frames) / summary["processing_seconds"].as<double>(), 1.0);
+  EXPECT_GE(summary["queue"]["segments"].as<int>(), 2);
+  EXPECT_GE(summary["queue"]["swaps"].as<int>(), 2);
+  EXPECT_LE(summary["pixel_uncertainty"]["rms"].as<double>(), 0.5);
+  ASSERT_GE(summary["events"].size(), 2u);
+  EXPECT_GT(summary["events"][0]["stamp"].as<double>(), 1.6e9);
+  // A header line, then one row a keyframe; comment lines begin the trajectories.
+  EXPECT_EQ(linesOf(converged().out("convergence.csv")), keyframes + 1);
+  EXPECT_GT(linesOf(converged().out("trajectory.tum")), frames * 8 / 10);
+  EXPECT_LE(linesOf(converged().out("keyframes.tum")), keyframes + 10);
+}
+
+TEST(CalibrateBag, WritesCalibrationsForOthers) {
+  std::string name;
+  sensor_msgs::CameraInfo info;
+  ASSERT_TRUE(
+      camera_calibration_parsers::readCalibration(converged().out("calibration.yaml"), name, info));
+  EXPECT_EQ(info.distortion_model, "equidistant");
+  EXPECT_EQ(info.width, 320u);
+  const YAML::Node cam0 = YAML::LoadFile(converged().out("camchain.yaml"))["cam0"];
+  EXPECT_EQ(cam0["distortion_model"].as<std::string>(), "fov");
+}
+
+TEST(CalibrateBag, TheSameInputGivesTheSameFiles) {
+  const TemporaryFolder folder;
+  const Outcome again = calibrateBag((converged().folder / "room.bag") +
+                                     " --solver-threads 2 --out " + folder.string());
+  EXPECT_EQ(again.exit_code, 0);
+  for (const char* name : {"trajectory.tum", "keyframes.tum", "convergence.csv", "calibration.yaml",
+                           "camchain.yaml"}) {
+    EXPECT_EQ(contents(folder / name), contents(converged().out(name))) << name;
+  }
+}
+
+TEST(CalibrateBag, StartValuesAreUsedAndTheirSizeChecked) {
+  const std::string bag = converged().folder / "room.bag";
+  const TemporaryFolder folder;
+  writeTruth(folder / "truth.yaml", converged().truth.lens);
+  const Outcome started =
+      calibrateBag(bag + " --duration 0.5 --initial " + (folder / "truth.yaml"));
+  EXPECT_EQ(started.exit_code, 2);
+  EXPECT_TRUE(mentions(started, "158.0")) << started.output;
+  Lens other = converged().truth.lens;
+  other.camera = Camera::defaultGuess(CameraModel::kFov, 640, 480);
+  writeTruth(folder / "other.yaml", other);
+  const Outcome refused = calibrateBag(bag + " --initial " + (folder / "other.yaml"));
+  EXPECT_EQ(refused.exit_code, 1);
+  EXPECT_TRUE(mentions(refused, "640x480")) << refused.output;
+}
+
+TEST(CalibrateBag, AStillCameraDoesNotConverge) {
+  const TemporaryFolder folder;
+  writeSequence(SimulatedSequence(smallSequence(MotionKind::kStill, 2.0)), folder / "images",
+                "png");
+  std::filesystem::create_directory(folder / "out");
+  std::ofstream(folder / "out/calibration.yaml") << "from an earlier run";
+  const Outcome outcome =
+      calibrateBag((folder / "images") + " --rate 20 --out " + (folder / "out"));
+  EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
+  const YAML::Node summary = YAML::LoadFile(folder / "out/summary.json");
+  EXPECT_EQ(summary["state"].as<std::string>(), "WAITING_FOR_MOTION");
+  EXPECT_TRUE(summary["camera"]["sigma"]["fx"].IsNull());
+  EXPECT_TRUE(summary["pixel_uncertainty"]["rms"].IsNull());
+  EXPECT_EQ(summary["frames"].as<int>(), 41);
+  EXPECT_FALSE(std::filesystem::exists(folder / "out/calibration.yaml"))
+      << "an older file must not pass for the result";
+}
+
+TEST(CalibrateBag, NoImagesIsACodeOfItsOwn) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(calibrateBag(folder.string()).exit_code, 3);
+  { rosbag::Bag bag(folder / "empty.bag", rosbag::bagmode::Write); }
+  EXPECT_EQ(calibrateBag(folder / "empty.bag").exit_code, 3);
+  {
+    rosbag::Bag bag(folder / "text.bag", rosbag::bagmode::Write);
+    bag.write("chatter", ros::Time(1.0), std_msgs::String());
+  }
+  const Outcome outcome = calibrateBag(folder / "text.bag");
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_TRUE(mentions(outcome, "no images"));
+}
+
+TEST(CalibrateBag, ErrorsSayWhatToDo) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "noise.bag") << std::string(5000, 'x');
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"", "no bag"},
+      {folder / "missing.bag", "no file"},
+      {folder / "noise.bag", "cannot be read as a bag"},
+      {folder.string() + " --model fisheye62", "fisheye62"},
+      {folder.string() + " --alpha 2 --queue-segments 0", "alpha"},
+      {folder.string() + " --alpha 2 --queue-segments 0", "queue_segments"},
+      {folder.string() + " --initial " + (folder / "missing.yaml"), "cannot be opened"},
+      {folder.string() + " --speed 3", "--speed"},
+      {folder.string() + " --rate -3", "--rate"}};
+  for (const auto& [arguments, words] : cases) {
+    const Outcome outcome = calibrateBag(arguments);
+    EXPECT_EQ(outcome.exit_code, 1) << arguments;
+    EXPECT_TRUE(mentions(outcome, words)) << arguments << ": " << outcome.output;
+  }
+}
+
+TEST(CalibrateBag, ImagesThatCannotBeUsedAreAnErrorIfThereIsNoOther) {
+  const TemporaryFolder folder;
+  {
+    rosbag::Bag bag(folder / "bad.bag", rosbag::bagmode::Write);
+    sensor_msgs::CompressedImage garbage;
+    garbage.data.assign(100, 1);
+    for (int i = 1; i < 8; ++i) bag.write("image/compressed", ros::Time(i), garbage);
+  }
+  const Outcome outcome = calibrateBag(folder / "bad.bag");
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_TRUE(mentions(outcome, "none of the 7 images can be used")) << outcome.output;
+}
+
+TEST(CalibrateBag, HelpIsHelp) {
+  const Outcome outcome = calibrateBag("--help");
+  EXPECT_EQ(outcome.exit_code, 0);
+  for (const char* option : {"--model", "--out", "--topic", "--initial", "--start"}) {
+    EXPECT_TRUE(mentions(outcome, option)) << option;
+  }
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

@@ -1,0 +1,188 @@
+#include "camera_self_calibration/tools/image_source.h"
+
+#include <gtest/gtest.h>
+#include <sensor_msgs/image_encodings.h>
+#include <std_msgs/String.h>
+
+#include <fstream>
+#include <opencv2/videoio.hpp>
+
+#include "tools/small_sequence.h"
+#include "tools/temporary_folder.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr int kWidth = 64;
+constexpr int kHeight = 48;
+
+cv::Mat picture(int brightness) {
+  return cv::Mat(kHeight, kWidth, CV_8UC1, cv::Scalar(brightness));
+}
+
+sensor_msgs::Image rawMessage(double seconds, int brightness) {
+  sensor_msgs::Image message;
+  if (seconds > 0.0) message.header.stamp = ros::Time(seconds);
+  message.encoding = sensor_msgs::image_encodings::MONO8;
+  message.width = kWidth;
+  message.height = kHeight;
+  message.step = kWidth;
+  message.data.assign(kWidth * kHeight, static_cast<std::uint8_t>(brightness));
+  return message;
+}
+
+SourceOptions at(const std::string& path) {
+  SourceOptions options;
+  options.path = path;
+  return options;
+}
+
+struct Seen {
+  std::vector<double> seconds;
+  std::vector<int> brightness;
+  int errors = 0;
+};
+
+Seen readAll(const SourceOptions& options) {
+  ImageSource source = openImages(options);
+  Seen seen;
+  while (const auto image = source.next()) {
+    if (!image->view) {
+      ++seen.errors;
+      continue;
+    }
+    EXPECT_EQ(image->view->width, kWidth);
+    EXPECT_EQ(image->view->height, kHeight);
+    seen.seconds.push_back(toSeconds(image->view->stamp_ns));
+    seen.brightness.push_back(image->view->data[image->view->stride * 10 + 10]);
+  }
+  EXPECT_FALSE(source.next());
+  return seen;
+}
+
+std::string failureOf(const SourceOptions& options) {
+  try {
+    readAll(options);
+  } catch (const std::runtime_error& e) {
+    return e.what();
+  }
+  return {};
+}
+
+TEST(ImageSource, FolderIsReadInTheOrderOfNames) {
+  const TemporaryFolder folder;
+  cv::imwrite(folder / "002.png", picture(20));
+  cv::imwrite(folder / "001.png", picture(10));
+  cv::imwrite(folder / "003.PNG", picture(30));
+  std::ofstream(folder / "readme.txt") << "no image";
+  std::ofstream(folder / "004.jpg") << "no image either";
+  SourceOptions options = at(folder.string());
+  options.rate = 10.0;
+  const Seen seen = readAll(options);
+  EXPECT_EQ(seen.brightness, (std::vector<int>{10, 20, 30}));
+  EXPECT_EQ(seen.errors, 1);
+  ASSERT_EQ(seen.seconds.size(), 3u);
+  EXPECT_NEAR(seen.seconds[2] - seen.seconds[0], 0.2, 1e-9);
+}
+
+TEST(ImageSource, StartAndDurationCountFromTheFirstImage) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 10; ++i) cv::imwrite(folder / (std::to_string(i) + ".png"), picture(i));
+  rosbag::Bag bag(folder / "a.bag", rosbag::bagmode::Write);
+  for (int i = 0; i < 10; ++i)
+    bag.write("image", ros::Time(50 + 0.5 * i), rawMessage(50 + 0.5 * i, i));
+  bag.close();
+  for (const std::string& path : {folder.string(), folder / "a.bag"}) {
+    SourceOptions options = at(path);
+    options.rate = 2.0;
+    options.start_seconds = 1.0;
+    options.duration_seconds = 1.5;
+    EXPECT_EQ(readAll(options).brightness, (std::vector<int>{2, 3, 4})) << path;
+    EXPECT_EQ(openImages(options).count, 3) << path;
+  }
+}
+
+TEST(ImageSource, BagFindsItsOnlyImageTopic) {
+  const TemporaryFolder folder;
+  rosbag::Bag bag(folder / "a.bag", rosbag::bagmode::Write);
+  std_msgs::String text;
+  bag.write("chatter", ros::Time(1.0), text);
+  bag.write("image", ros::Time(2.0), rawMessage(1.5, 7));
+  // A driver that sets no stamp: the time of the recording counts.
+  bag.write("image", ros::Time(3.0), rawMessage(0.0, 8));
+  bag.close();
+  EXPECT_EQ(openImages(at(folder / "a.bag")).name, "image");
+  const Seen seen = readAll(at(folder / "a.bag"));
+  EXPECT_EQ(seen.brightness, (std::vector<int>{7, 8}));
+  EXPECT_EQ(seen.seconds, (std::vector<double>{1.5, 3.0}));
+}
+
+TEST(ImageSource, BagOfSeveralTopicsAsksWhich) {
+  const TemporaryFolder folder;
+  rosbag::Bag bag(folder / "a.bag", rosbag::bagmode::Write);
+  bag.write("/left/image_raw", ros::Time(1.0), rawMessage(1.0, 1));
+  sensor_msgs::CompressedImage jpeg;
+  cv::imencode(".png", picture(2), jpeg.data);
+  jpeg.header.stamp = ros::Time(1.0);
+  bag.write("/right/image_raw/compressed", ros::Time(1.0), jpeg);
+  bag.close();
+  SourceOptions options = at(folder / "a.bag");
+  const std::string failure = failureOf(options);
+  for (const char* word : {"/left/image_raw", "/right/image_raw/compressed", "--topic"}) {
+    EXPECT_NE(failure.find(word), std::string::npos) << failure;
+  }
+  options.topic = "/left/image_raw";
+  EXPECT_EQ(readAll(options).brightness, std::vector<int>{1});
+  options.topic = "/right/image_raw";
+  EXPECT_EQ(readAll(options).brightness, std::vector<int>{2});
+  options.topic = "/top/image_raw";
+  EXPECT_NE(failureOf(options).find("/left/image_raw"), std::string::npos);
+}
+
+TEST(ImageSource, VideoIsReadAsGray) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "a.avi";
+  cv::VideoWriter writer(path, cv::VideoWriter::fourcc('M', 'J', 'P', 'G'), 20.0,
+                         cv::Size(kWidth, kHeight));
+  ASSERT_TRUE(writer.isOpened());
+  for (int i = 0; i < 8; ++i) {
+    writer.write(cv::Mat(kHeight, kWidth, CV_8UC3, cv::Scalar::all(20 * i)));
+  }
+  writer.release();
+  const Seen seen = readAll(at(path));
+  ASSERT_EQ(seen.brightness.size(), 8u);
+  EXPECT_NEAR(seen.brightness[5], 100, 3);
+  EXPECT_NEAR(seen.seconds[7] - seen.seconds[0], 7 / 20.0, 1e-6);
+  SourceOptions part = at(path);
+  part.start_seconds = 0.1;
+  part.duration_seconds = 0.15;
+  EXPECT_EQ(readAll(part).brightness.size(), 3u);
+}
+
+TEST(ImageSource, SaysWhatIsWrongWithAFile) {
+  const TemporaryFolder folder;
+  EXPECT_NE(failureOf(at(folder / "none.bag")).find("no file"), std::string::npos);
+  std::ofstream(folder / "noise.bag") << "this is not a bag at all";
+  EXPECT_NE(failureOf(at(folder / "noise.bag")).find("noise.bag"), std::string::npos);
+  std::ofstream(folder / "text.txt") << "no video";
+  EXPECT_NE(failureOf(at(folder / "text.txt")).find("neither"), std::string::npos);
+}
+
+TEST(ImageSource, ATruncatedBagIsAnErrorNotACrash) {
+  const TemporaryFolder folder;
+  {
+    rosbag::Bag bag(folder / "whole.bag", rosbag::bagmode::Write);
+    for (int i = 1; i < 200; ++i) bag.write("image", ros::Time(i), rawMessage(i, i));
+  }
+  const auto size = std::filesystem::file_size(folder / "whole.bag");
+  for (const double share : {0.0, 0.01, 0.5, 0.95, 0.999}) {
+    std::filesystem::copy_file(folder / "whole.bag", folder / "cut.bag",
+                               std::filesystem::copy_options::overwrite_existing);
+    std::filesystem::resize_file(folder / "cut.bag",
+                                 static_cast<std::uintmax_t>(share * static_cast<double>(size)));
+    EXPECT_NE(failureOf(at(folder / "cut.bag")).find("rosbag reindex"), std::string::npos) << share;
+  }
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
