@@ -1,6 +1,7 @@
 #include "camera_self_calibration/calibration/segment_fit.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
@@ -23,15 +24,19 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
     problem.blocks = {freeBlock(segment, *camera)};
     if (!solve(problem, solver).usable) return fit;
     if (round == options.gating_rounds) break;
-    SegmentBlock scaled = problem.blocks.front();
-    scaled.sigma_scale = std::max(1.0, medianResidualScale(scaled, *camera));
-    const std::vector<int> outliers = misfits(scaled, *camera);
-    if (outliers.empty()) break;
+    const SegmentBlock& block = problem.blocks.front();
+    if (round == 0) fit.residual_scale = medianResidualScale(block, *camera);
+    const double unexplained = unexplainedSigma(block, *camera);
+    for (Observation& observation : segment->observations) {
+      observation.sigma = std::hypot(observation.sigma, unexplained);
+    }
+    fit.unexplained_sigma = std::hypot(fit.unexplained_sigma, unexplained);
+    const std::vector<int> outliers = misfits(block, *camera);
+    if (outliers.empty() && unexplained == 0.0) break;
     for (const int l : outliers) fit.removed_tracks.push_back(segment->landmarks[l].track_id);
     removeLandmarks(outliers, segment);
   }
   fit.marginal = marginalize(problem, options.huber);
-  fit.residual_scale = fit.marginal.residualScale();
   fit.usable = fit.marginal.information.allFinite();
   return fit;
 }

@@ -38,7 +38,7 @@ double median(std::vector<double> values, double fallback) {
 }  // namespace
 
 SlidingWindow::SlidingWindow(const SlidingWindowOptions& options, const Camera& camera)
-    : options_(options), camera_(camera), map_(options.map_keyframes) {
+    : options_(options), camera_(camera), map_(options.map_keyframes, options.exact_references) {
   generations_[generation_] = camera_;
 }
 

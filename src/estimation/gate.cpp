@@ -58,7 +58,7 @@ std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
       const int next = static_cast<int>(quantile.size());
       quantile.push_back(next == 0 ? 0.0 : chiSquareQuantile(next, exceed_probability));
     }
-    if (!(sum[l] <= quantile[freedom]) || largest[l] > single) {
+    if (!(sum[l] <= 2.0 * quantile[freedom]) || largest[l] > single) {
       result.push_back(static_cast<int>(l));
     }
   }
@@ -102,17 +102,53 @@ void removeLandmarks(const std::vector<int>& landmarks, Segment* segment) {
   }
 }
 
+namespace {
+
+constexpr double kMedianOfChiSquare2 = 1.3862943611198906;  // 2 ln 2
+
+// Share of the residuals that the variables leave free.
+double freedomShare(const SegmentBlock& block) {
+  const double residuals = 2.0 * static_cast<double>(block.segment->observations.size());
+  double variables =
+      6.0 * (static_cast<double>(block.segment->keyframes.size()) - block.fixed_keyframes);
+  for (const Landmark& landmark : block.segment->landmarks) variables += landmark.anchored ? 1 : 3;
+  return std::max(0.1, (residuals - variables) / residuals);
+}
+
+double median(std::vector<double>* values) {
+  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
+  std::nth_element(values->begin(), middle, values->end());
+  return *middle;
+}
+
+}  // namespace
+
 double medianResidualScale(const SegmentBlock& block, const Camera& camera) {
   std::vector<double> squares = squaredResiduals(block, camera);
   if (squares.empty()) return 1.0;
-  const auto middle = squares.begin() + squares.size() / 2;
-  std::nth_element(squares.begin(), middle, squares.end());
-  const double residuals = 2.0 * squares.size();
-  double variables = 6.0 * (block.segment->keyframes.size() - block.fixed_keyframes);
-  for (const Landmark& landmark : block.segment->landmarks) variables += landmark.anchored ? 1 : 3;
-  const double freedom = std::max(0.1, (residuals - variables) / residuals);
-  constexpr double kMedianOfChiSquare2 = 1.3862943611198906;  // 2 ln 2
-  return std::sqrt(*middle / kMedianOfChiSquare2 / freedom);
+  return std::sqrt(median(&squares) / kMedianOfChiSquare2 / freedomShare(block));
+}
+
+double unexplainedSigma(const SegmentBlock& block, const Camera& camera) {
+  const std::vector<double> squares = squaredResiduals(block, camera);
+  if (squares.empty()) return 0.0;
+  const double target = kMedianOfChiSquare2 * freedomShare(block);
+  std::vector<double> ratios(squares.size());
+  const auto medianWith = [&](double extra) {
+    for (std::size_t o = 0; o < squares.size(); ++o) {
+      const double sigma = block.segment->observations[o].sigma * block.sigma_scale;
+      ratios[o] = squares[o] * sigma * sigma / (sigma * sigma + extra * extra);
+    }
+    return median(&ratios);
+  };
+  if (!(medianWith(0.0) > target)) return 0.0;
+  double low = 0.0;
+  double high = kUnpredictableResidualPx;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (low + high);
+    (medianWith(middle) > target ? low : high) = middle;
+  }
+  return high;
 }
 
 }  // namespace camera_self_calibration

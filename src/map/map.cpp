@@ -114,7 +114,7 @@ std::optional<Landmark> Map::landmarkFrom(std::int64_t track_id, const Point& po
   if (!anchor_ray) return std::nullopt;
   Landmark landmark;
   landmark.track_id = track_id;
-  landmark.anchored = first.keyframe_id == point.reference_id;
+  landmark.anchored = exact_references_ && first.keyframe_id == point.reference_id;
   landmark.reference_pixel = point.reference_pixel;
   landmark.bearing = *first_ray;
   landmark.inverse_depth =

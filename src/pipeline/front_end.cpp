@@ -14,6 +14,7 @@ SlidingWindowOptions windowOptions(const Options& options) {
   SlidingWindowOptions window;
   window.active_keyframes = options.sliding_window_keyframes;
   window.conditioning_keyframes = options.sliding_window_keyframes;
+  window.exact_references = options.exact_references;
   window.map_keyframes =
       std::max({options.startup_keyframes, options.segment_keyframes,
                 window.active_keyframes + window.conditioning_keyframes});

@@ -20,14 +20,17 @@ struct SegmentFitOptions {
 
 struct SegmentFit {
   bool usable = false;
-  Marginal marginal;  ///< With the tracker's own sigmas.
-  /// Robust residual scale before any is put into the sigmas: sqrt(cost per degree of freedom).
+  Marginal marginal;  ///< At the solution, with the sigmas as they are in the segment then.
+  /// Robust scale (medianResidualScale) of the residuals against the tracker's own sigmas.
   double residual_scale = 1.0;
+  /// Error per axis that was added to the tracker's own sigmas, in quadrature [px].
+  double unexplained_sigma = 0.0;
   std::vector<std::int64_t> removed_tracks;
 };
 
-/// Solves a segment that conditions on nothing, gating outliers, in place. The gate widens with the
-/// robust residual scale, so that a common misfit (intrinsics still wrong) empties no segment.
+/// Solves a segment that conditions on nothing, in place. Between the rounds what the tracker's
+/// sigmas do not explain (unexplainedSigma) is added to the observations' sigmas, so that a common
+/// misfit empties no segment, and then outliers are removed.
 SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera* camera);
 
 }  // namespace camera_self_calibration

@@ -16,6 +16,7 @@ struct SlidingWindowOptions {
   int active_keyframes = 10;
   int conditioning_keyframes = 10;
   int map_keyframes = 40;             ///< Kept in all, at least active + conditioning.
+  bool exact_references = false;      ///< See Map.
   double max_generation_distance_px = 0.5;  ///< Between intrinsics, for conditioning keyframes.
   double gross_residual_share = 1.5 / 640;  ///< Of the image width: smaller residuals end no track.
 };

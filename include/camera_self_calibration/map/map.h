@@ -17,7 +17,11 @@ namespace camera_self_calibration {
 /// depends on the intrinsics but the poses and depths themselves.
 class Map {
  public:
-  explicit Map(int max_keyframes) : max_keyframes_(max_keyframes) {}
+  /// `exact_references`: a landmark's ray is that of the pixel in which its track was detected, as in
+  /// eq. 1. Otherwise that pixel is a measurement like the others, and the ray is estimated: the
+  /// patch that all others are registered against has an error of its own, which they share.
+  explicit Map(int max_keyframes, bool exact_references = false)
+      : max_keyframes_(max_keyframes), exact_references_(exact_references) {}
 
   struct Sighting {
     std::int64_t keyframe_id = 0;
@@ -67,6 +71,7 @@ class Map {
                                        const Sighting& first, const Camera& camera) const;
 
   int max_keyframes_;
+  bool exact_references_;
   std::deque<Keyframe> keyframes_;
   std::map<std::int64_t, Point> points_;  // by track id: ordered, so that results are repeatable
 };

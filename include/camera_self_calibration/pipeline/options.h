@@ -23,6 +23,9 @@ struct Options {
   int sliding_window_keyframes = 10;  ///< Active keyframes of the sliding window.
   int segment_keyframes = 10;         ///< Keyframes of a candidate window and of a segment.
   int queue_segments = 10;            ///< Segments in the queue.
+  /// Landmarks on the exact ray of their reference pixel (eq. 1), instead of counting that pixel as
+  /// one measurement among others.
+  bool exact_references = false;
   int startup_keyframes = 30;         ///< At most, in the startup batch.
   double alpha = 0.95;                ///< Update rule of the queue, in (0, 1) (section II-B).
   /// Hand-over from the startup batch also below this normalised entropy [nats]; -infinity: only by
