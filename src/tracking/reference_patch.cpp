@@ -11,13 +11,23 @@ constexpr int kBlock = 4;  // Points side by side.
 // Standard deviations of the priors. That of the shift only damps a step.
 constexpr double kShiftPrior = 1.0;        // [px]
 constexpr double kLinearPrior = 0.04;      // [1]
+// Over the life of a track, which is what its error depends on: the linear part's errors add up
+// where the patch does not determine it.
+constexpr double kLinearDoubt = 0.6;
 constexpr double kPhotometricPrior = 1e3;  // Gain [1], offset [gray]: free.
 constexpr double kBlurPrior = 0.5;         // [px^2]
 constexpr double kBendingPrior = 0.002;    // [1/px] 140 degrees over 640 px bend by 1/f / 2.
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-double squaredInverse(double sigma) { return 1.0 / (sigma * sigma); }
+// D of the class's comment, with a prior of its own for the linear part of the warp.
+ReferencePatch::Vector priorOf(double linear, double noise) {
+  ReferencePatch::Vector sigma;
+  sigma << Eigen::Vector2d::Constant(kShiftPrior), Eigen::Vector4d::Constant(linear),
+      Eigen::Vector2d::Constant(kPhotometricPrior), Eigen::Vector3d::Constant(kBlurPrior),
+      Vector6d::Constant(kBendingPrior);
+  return noise * sigma.cwiseAbs2().cwiseInverse();
+}
 
 double weightAt(int u, int v) {
   const double inside =
@@ -129,19 +139,23 @@ void ReferencePatch::fillJacobian(const SmoothWindow& window) {
 }
 
 bool ReferencePatch::invertHessian() {
-  Vector sigma;
-  sigma << Eigen::Vector2d::Constant(kShiftPrior), Eigen::Vector4d::Constant(kLinearPrior),
-      Eigen::Vector2d::Constant(kPhotometricPrior), Eigen::Vector3d::Constant(kBlurPrior),
-      Vector6d::Constant(kBendingPrior);
-  prior_ = noise_ * sigma.unaryExpr(&squaredInverse);
+  prior_ = priorOf(kLinearPrior, noise_);
   Matrix sum = hessian_;
   sum.diagonal() += prior_;
   const Eigen::LLT<Matrix> cholesky(sum);
   if (cholesky.info() != Eigen::Success) return false;
   inverse_ = cholesky.solve(Matrix::Identity());
-  const Eigen::Matrix<double, 2, kParameters> rows = inverse_.topRows<2>();
-  shift_covariance_ =
-      rows * squared_ * rows.transpose() + rows * prior_.asDiagonal() * rows.transpose();
+
+  const Vector doubt = priorOf(kLinearDoubt, noise_);
+  sum = hessian_;
+  sum.diagonal() += doubt;
+  const Eigen::LLT<Matrix> doubtful(sum);
+  if (doubtful.info() != Eigen::Success) return false;
+  const Eigen::Matrix<double, kParameters, 2> columns =
+      doubtful.solve(Eigen::Matrix<double, kParameters, 2>::Identity());
+  Matrix scatter = squared_;
+  scatter.diagonal() += doubt;
+  shift_covariance_ = columns.transpose() * scatter * columns;
   return shift_covariance_.allFinite();
 }
 
