@@ -15,7 +15,9 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kBorder = ReferencePatch::kRawRadius + 1;  // [px] Around a corner when detected.
+constexpr double kAnchorReach = 2.0;  // [px] From a patch's centre to the tracked point.
+// [px] Around a corner when detected.
+constexpr int kBorder = ReferencePatch::kRawRadius + static_cast<int>(kAnchorReach) + 1;
 constexpr int kMaskRadius = ReferencePatch::kRawRadius;
 constexpr double kNeighbourhood = 0.15;      // [image widths]
 constexpr int kSaturated = 250;              // [gray]
@@ -59,6 +61,7 @@ struct Tracker::Impl {
   template <typename Keep>
   void keepIf(const Keep& keep);
   bool crowded(const Corner& corner) const;
+  bool cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const;
   bool begin(const Corner& corner);
 
   TrackerOptions options;
@@ -138,7 +141,7 @@ bool Tracker::Impl::registerFrom(std::size_t i, const Warp& start) {
   if (!gate.accepts(result)) return false;
   state.velocity = result.warp.pixel - state.warp.pixel;
   state.warp = result.warp;
-  frame.tracks[i].pixel = result.warp.pixel;
+  frame.tracks[i].pixel = result.pixel;
   frame.tracks[i].sigma = gate.sigma(result);
   accepted.push_back(result);
   return true;
@@ -176,18 +179,32 @@ bool Tracker::Impl::crowded(const Corner& corner) const {
   });
 }
 
+// Cuts the patch at the corner's tip, which lies beside the maximum of the detector's response.
+bool Tracker::Impl::cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const {
+  Eigen::Vector2i centre(corner.x, corner.y);
+  for (int pass = 0; pass < 2; ++pass) {
+    patch->cut(current.level(0), centre.x(), centre.y());
+    if (!registration.prepare(patch)) return false;
+    patch->chooseAnchor(kAnchorReach);
+    warp->pixel = centre.cast<double>();
+    const Eigen::Vector2i step = patch->anchor().array().round().cast<int>();
+    if (step.isZero()) return true;
+    centre += step;
+  }
+  return true;
+}
+
 bool Tracker::Impl::begin(const Corner& corner) {
   const std::size_t slot = free_patches.back();
-  ReferencePatch& patch = patches[slot];
-  patch.cut(current.level(0), corner.x, corner.y);
-  const Warp warp{{static_cast<double>(corner.x), static_cast<double>(corner.y)},
-                  Eigen::Matrix2d::Identity()};
+  Warp warp;
+  if (!cut(corner, &patches[slot], &warp)) return false;
   // Registered on itself: what sigma the next images are to expect.
-  const Registration itself = registration.run(&patch, current, warp);
+  const Registration itself = registration.run(&patches[slot], current, warp);
   if (!gate.accepts(itself) || gate.sigma(itself) > kMaxSigma) return false;
+  const Eigen::Vector2d pixel = warp.pixel + patches[slot].anchor();
   free_patches.pop_back();
   states.push_back({warp, Eigen::Vector2d::Zero(), slot});
-  frame.tracks.push_back({next_id++, warp.pixel, warp.pixel, gate.sigma(itself)});
+  frame.tracks.push_back({next_id++, pixel, pixel, gate.sigma(itself)});
   return true;
 }
 
