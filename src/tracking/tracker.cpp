@@ -60,7 +60,7 @@ struct Tracker::Impl {
   bool registerFrom(std::size_t i, const Warp& start);
   template <typename Keep>
   void keepIf(const Keep& keep);
-  bool crowded(const Corner& corner) const;
+  bool crowded(const Eigen::Vector2d& pixel) const;
   bool cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const;
   bool begin(const Corner& corner);
 
@@ -171,9 +171,8 @@ void Tracker::Impl::keepIf(const Keep& keep) {
   frame.tracks.resize(kept);
 }
 
-bool Tracker::Impl::crowded(const Corner& corner) const {
+bool Tracker::Impl::crowded(const Eigen::Vector2d& pixel) const {
   const double distance = minDistance();
-  const Eigen::Vector2d pixel(corner.x, corner.y);
   return std::any_of(frame.tracks.begin(), frame.tracks.end(), [&](const Track& track) {
     return (track.pixel - pixel).squaredNorm() < distance * distance;
   });
@@ -198,10 +197,11 @@ bool Tracker::Impl::begin(const Corner& corner) {
   const std::size_t slot = free_patches.back();
   Warp warp;
   if (!cut(corner, &patches[slot], &warp)) return false;
+  const Eigen::Vector2d pixel = warp.pixel + patches[slot].anchor();
+  if (crowded(pixel)) return false;
   // Registered on itself: what sigma the next images are to expect.
   const Registration itself = registration.run(&patches[slot], current, warp);
   if (!gate.accepts(itself) || gate.sigma(itself) > kMaxSigma) return false;
-  const Eigen::Vector2d pixel = warp.pixel + patches[slot].anchor();
   free_patches.pop_back();
   states.push_back({warp, Eigen::Vector2d::Zero(), slot});
   frame.tracks.push_back({next_id++, pixel, pixel, gate.sigma(itself)});
@@ -239,7 +239,8 @@ std::vector<Track> Tracker::detect() {
   const int cell = std::max(1, static_cast<int>(std::sqrt(area / impl_->options.max_features)));
   for (const Corner& corner : impl_->harris.detect(impl_->current, kBorder, cell)) {
     if (impl_->free_patches.empty()) break;
-    if (impl_->crowded(corner) || impl_->mask.touches(corner.x, corner.y, kMaskRadius)) continue;
+    if (impl_->crowded({corner.x, corner.y})) continue;
+    if (impl_->mask.touches(corner.x, corner.y, kMaskRadius)) continue;
     if (saturated(impl_->current.level(0), corner.x, corner.y)) continue;
     if (impl_->begin(corner)) started.push_back(impl_->frame.tracks.back());
   }
