@@ -10,7 +10,7 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr int kMaxIterations = 15;
-// The last step [px], of the centre and of the rim: what the patch does not determine of the linear
+// The last step [px], of the anchor and of the rim: what the patch does not determine of the linear
 // part may creep on.
 constexpr double kConvergedShift = 0.004;
 constexpr double kConvergedRim = 0.1;
@@ -86,13 +86,17 @@ ReferencePatch::Vector priorPull(const ReferencePatch& reference, const Warp& st
   return pull;
 }
 
-bool converged(const Warp& from, const Warp& to) {
-  const double shift = (to.pixel - from.pixel).norm();
+bool converged(const Warp& from, const Warp& to, const Eigen::Vector2d& anchor) {
+  const double shift = (to.pixel - from.pixel + (to.linear - from.linear) * anchor).norm();
   const double rim = PatchPoints::kDiscRadius * M_SQRT1_2 * (to.linear - from.linear).norm();
   return shift < kConvergedShift && rim < kConvergedRim;
 }
 
 }  // namespace
+
+bool PatchRegistration::prepare(ReferencePatch* reference) const {
+  return reference->prepare(referenceBlur(1.0, reference->blur()), noise_);
+}
 
 Registration PatchRegistration::run(ReferencePatch* reference, const ImagePyramid& image,
                                     const Warp& start) {
@@ -111,9 +115,10 @@ Registration PatchRegistration::run(ReferencePatch* reference, const ImagePyrami
   result.warp = scaled(start, std::ldexp(1.0, -level));
   result.status = iterate(*reference, image.level(level), &result);
   result.warp = scaled(result.warp, std::ldexp(1.0, level));
+  result.pixel *= std::ldexp(1.0, level);
   const Eigen::Matrix2d& linear = result.warp.linear;
   result.unit_covariance =
-      linear * reference->shiftCovariance() * linear.transpose() / (result.gain * result.gain);
+      linear * reference->anchorCovariance() * linear.transpose() / (result.gain * result.gain);
   return result;
 }
 
@@ -168,7 +173,10 @@ Registration::Status PatchRegistration::iterate(const ReferencePatch& reference,
     if (!warp.pixel.allFinite() || deformed(warp.linear)) return Registration::Status::kDeformed;
     if (!inside(warp, level)) return Registration::Status::kOutside;
     if ((warp.pixel - start.pixel).norm() > kMaxShift) return Registration::Status::kNotConverged;
-    if (converged(last, warp)) {
+    if (converged(last, warp, reference.anchor())) {
+      result->pixel =
+          warp.pixel +
+          warp.linear * (reference.anchor() - reference.bendingAtAnchor(solution / result->gain));
       measureResidual(reference, projected, solution, result);
       return Registration::Status::kGood;
     }

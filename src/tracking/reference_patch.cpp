@@ -1,6 +1,7 @@
 #include "camera_self_calibration/tracking/reference_patch.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 
 namespace camera_self_calibration {
@@ -9,15 +10,25 @@ namespace {
 constexpr int kBlock = 4;  // Points side by side.
 
 // Standard deviations of the priors. That of the shift only damps a step.
-constexpr double kShiftPrior = 1.0;        // [px]
-constexpr double kLinearPrior = 0.04;      // [1]
+constexpr double kShiftPrior = 1.0;    // [px]
+constexpr double kLinearPrior = 0.04;  // [1]
+// Over the life of a track, which is what its error depends on: the linear part's errors add up
+// where the patch does not determine it.
+constexpr double kLinearDoubt = 0.6;
 constexpr double kPhotometricPrior = 1e3;  // Gain [1], offset [gray]: free.
 constexpr double kBlurPrior = 0.5;         // [px^2]
 constexpr double kBendingPrior = 0.002;    // [1/px] 140 degrees over 640 px bend by 1/f / 2.
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-double squaredInverse(double sigma) { return 1.0 / (sigma * sigma); }
+// D of the class's comment, with a prior of its own for the linear part of the warp.
+ReferencePatch::Vector priorOf(double linear, double noise) {
+  ReferencePatch::Vector sigma;
+  sigma << Eigen::Vector2d::Constant(kShiftPrior), Eigen::Vector4d::Constant(linear),
+      Eigen::Vector2d::Constant(kPhotometricPrior), Eigen::Vector3d::Constant(kBlurPrior),
+      Vector6d::Constant(kBendingPrior);
+  return noise * sigma.cwiseAbs2().cwiseInverse();
+}
 
 double weightAt(int u, int v) {
   const double inside =
@@ -82,6 +93,7 @@ void ReferencePatch::cut(const cv::Mat& image, int x, int y) {
     std::copy(from, from + side, raw_.data() + row * side);
   }
   blur_ = -1.0;
+  anchor_.setZero();
 }
 
 bool ReferencePatch::prepare(double blur, double noise) {
@@ -129,20 +141,52 @@ void ReferencePatch::fillJacobian(const SmoothWindow& window) {
 }
 
 bool ReferencePatch::invertHessian() {
-  Vector sigma;
-  sigma << Eigen::Vector2d::Constant(kShiftPrior), Eigen::Vector4d::Constant(kLinearPrior),
-      Eigen::Vector2d::Constant(kPhotometricPrior), Eigen::Vector3d::Constant(kBlurPrior),
-      Vector6d::Constant(kBendingPrior);
-  prior_ = noise_ * sigma.unaryExpr(&squaredInverse);
+  prior_ = priorOf(kLinearPrior, noise_);
   Matrix sum = hessian_;
   sum.diagonal() += prior_;
   const Eigen::LLT<Matrix> cholesky(sum);
   if (cholesky.info() != Eigen::Success) return false;
   inverse_ = cholesky.solve(Matrix::Identity());
-  const Eigen::Matrix<double, 2, kParameters> rows = inverse_.topRows<2>();
-  shift_covariance_ =
-      rows * squared_ * rows.transpose() + rows * prior_.asDiagonal() * rows.transpose();
-  return shift_covariance_.allFinite();
+
+  const Vector doubt = priorOf(kLinearDoubt, noise_);
+  sum = hessian_;
+  sum.diagonal() += doubt;
+  const Eigen::LLT<Matrix> doubtful(sum);
+  if (doubtful.info() != Eigen::Success) return false;
+  using Columns = Eigen::Matrix<double, kParameters, kWarp>;
+  const Columns columns = doubtful.solve(Columns::Identity());
+  Matrix scatter = squared_;
+  scatter.diagonal() += doubt;
+  warp_covariance_ = columns.transpose() * scatter * columns;
+  return warp_covariance_.allFinite();
+}
+
+// The patch's displacement at an offset c is d + c_x L_1 + c_y L_2, with shift d and columns L of
+// the linear part: the trace of its covariance is a parabola in c.
+void ReferencePatch::chooseAnchor(double reach) {
+  const auto trace = [this](int i, int j) {
+    return warp_covariance_.block<2, 2>(2 * i, 2 * j).trace();
+  };
+  Eigen::Matrix2d curvature;
+  curvature << trace(1, 1), trace(1, 2), trace(1, 2), trace(2, 2);
+  const Eigen::Vector2d slope(trace(0, 1), trace(0, 2));
+  anchor_ = -curvature.inverse() * slope;
+  if (!anchor_.allFinite()) anchor_.setZero();
+  if (anchor_.norm() > reach) anchor_ *= reach / anchor_.norm();
+}
+
+Eigen::Matrix2d ReferencePatch::anchorCovariance() const {
+  Eigen::Matrix<double, 2, kWarp> at_anchor;
+  at_anchor << Eigen::Matrix2d::Identity(), anchor_.x() * Eigen::Matrix2d::Identity(),
+      anchor_.y() * Eigen::Matrix2d::Identity();
+  return at_anchor * warp_covariance_ * at_anchor.transpose();
+}
+
+Eigen::Vector2d ReferencePatch::bendingAtAnchor(const Vector& solution) const {
+  const Eigen::Vector3d squares(anchor_.x() * anchor_.x(), anchor_.x() * anchor_.y(),
+                                anchor_.y() * anchor_.y());
+  return {solution.segment<3>(kBending).dot(squares),
+          solution.segment<3>(kBending + 3).dot(squares)};
 }
 
 ReferencePatch::Vector ReferencePatch::project(const float* values) const {

@@ -7,8 +7,8 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr double kMaxSigma = 0.3;         // [px] A worse position is of no use.
-constexpr double kNoiseFactor = 6.0;      // Variance left over against that of the noise.
-constexpr double kContrastShare = 0.015;  // Of the patch's variance, left over by the warp model.
+constexpr double kNoiseFactor = 3.0;      // Variance left over against that of the noise.
+constexpr double kContrastShare = 0.005;  // Of the patch's variance, left over by the warp model.
 constexpr double kMinGain = 0.2;
 constexpr double kMaxGain = 5.0;
 

@@ -15,7 +15,9 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kBorder = ReferencePatch::kRawRadius + 1;  // [px] Around a corner when detected.
+constexpr double kAnchorReach = 2.0;  // [px] From a patch's centre to the tracked point.
+// [px] Around a corner when detected.
+constexpr int kBorder = ReferencePatch::kRawRadius + static_cast<int>(kAnchorReach) + 1;
 constexpr int kMaskRadius = ReferencePatch::kRawRadius;
 constexpr double kNeighbourhood = 0.15;      // [image widths]
 constexpr int kSaturated = 250;              // [gray]
@@ -58,7 +60,8 @@ struct Tracker::Impl {
   bool registerFrom(std::size_t i, const Warp& start);
   template <typename Keep>
   void keepIf(const Keep& keep);
-  bool crowded(const Corner& corner) const;
+  bool crowded(const Eigen::Vector2d& pixel) const;
+  bool cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const;
   bool begin(const Corner& corner);
 
   TrackerOptions options;
@@ -138,7 +141,7 @@ bool Tracker::Impl::registerFrom(std::size_t i, const Warp& start) {
   if (!gate.accepts(result)) return false;
   state.velocity = result.warp.pixel - state.warp.pixel;
   state.warp = result.warp;
-  frame.tracks[i].pixel = result.warp.pixel;
+  frame.tracks[i].pixel = result.pixel;
   frame.tracks[i].sigma = gate.sigma(result);
   accepted.push_back(result);
   return true;
@@ -168,26 +171,40 @@ void Tracker::Impl::keepIf(const Keep& keep) {
   frame.tracks.resize(kept);
 }
 
-bool Tracker::Impl::crowded(const Corner& corner) const {
+bool Tracker::Impl::crowded(const Eigen::Vector2d& pixel) const {
   const double distance = minDistance();
-  const Eigen::Vector2d pixel(corner.x, corner.y);
   return std::any_of(frame.tracks.begin(), frame.tracks.end(), [&](const Track& track) {
     return (track.pixel - pixel).squaredNorm() < distance * distance;
   });
 }
 
+// Cuts the patch at the corner's tip, which lies beside the maximum of the detector's response.
+bool Tracker::Impl::cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const {
+  Eigen::Vector2i centre(corner.x, corner.y);
+  for (int pass = 0; pass < 2; ++pass) {
+    patch->cut(current.level(0), centre.x(), centre.y());
+    if (!registration.prepare(patch)) return false;
+    patch->chooseAnchor(kAnchorReach);
+    warp->pixel = centre.cast<double>();
+    const Eigen::Vector2i step = patch->anchor().array().round().cast<int>();
+    if (step.isZero()) return true;
+    centre += step;
+  }
+  return true;
+}
+
 bool Tracker::Impl::begin(const Corner& corner) {
   const std::size_t slot = free_patches.back();
-  ReferencePatch& patch = patches[slot];
-  patch.cut(current.level(0), corner.x, corner.y);
-  const Warp warp{{static_cast<double>(corner.x), static_cast<double>(corner.y)},
-                  Eigen::Matrix2d::Identity()};
+  Warp warp;
+  if (!cut(corner, &patches[slot], &warp)) return false;
+  const Eigen::Vector2d pixel = warp.pixel + patches[slot].anchor();
+  if (crowded(pixel)) return false;
   // Registered on itself: what sigma the next images are to expect.
-  const Registration itself = registration.run(&patch, current, warp);
+  const Registration itself = registration.run(&patches[slot], current, warp);
   if (!gate.accepts(itself) || gate.sigma(itself) > kMaxSigma) return false;
   free_patches.pop_back();
   states.push_back({warp, Eigen::Vector2d::Zero(), slot});
-  frame.tracks.push_back({next_id++, warp.pixel, warp.pixel, gate.sigma(itself)});
+  frame.tracks.push_back({next_id++, pixel, pixel, gate.sigma(itself)});
   return true;
 }
 
@@ -222,7 +239,8 @@ std::vector<Track> Tracker::detect() {
   const int cell = std::max(1, static_cast<int>(std::sqrt(area / impl_->options.max_features)));
   for (const Corner& corner : impl_->harris.detect(impl_->current, kBorder, cell)) {
     if (impl_->free_patches.empty()) break;
-    if (impl_->crowded(corner) || impl_->mask.touches(corner.x, corner.y, kMaskRadius)) continue;
+    if (impl_->crowded({corner.x, corner.y})) continue;
+    if (impl_->mask.touches(corner.x, corner.y, kMaskRadius)) continue;
     if (saturated(impl_->current.level(0), corner.x, corner.y)) continue;
     if (impl_->begin(corner)) started.push_back(impl_->frame.tracks.back());
   }

@@ -24,11 +24,12 @@ struct Registration {
   };
   Status status = Status::kNotConverged;
   Warp warp;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Of the reference's anchor.
   double gain = 1.0;      ///< Gray values of the image over those of the reference.
   double residual = 0.0;  ///< Weighted mean square of the remaining difference [gray^2].
   double contrast = 0.0;  ///< Weighted variance of the reference seen through the gain [gray^2].
   int iterations = 0;
-  /// Of the pixel [px^2], for white noise of one gray value in the difference of the images.
+  /// Of `pixel` [px^2], for white noise of one gray value in the difference of the images.
   Eigen::Matrix2d unit_covariance = Eigen::Matrix2d::Zero();
 };
 
@@ -40,6 +41,9 @@ class PatchRegistration {
  public:
   /// Noise of the difference of two patches [gray^2], for references prepared from now on.
   void setNoise(double noise) { noise_ = noise; }
+
+  /// Prepares a reference for the first time, at the scale at which it was cut.
+  bool prepare(ReferencePatch* reference) const;
 
   /// `start` is within about 2 px of the truth. Prepares `reference` anew if the scale asks for it.
   Registration run(ReferencePatch* reference, const ImagePyramid& image, const Warp& start);

@@ -40,8 +40,9 @@ struct PatchPoints {
 /// would displace the patch systematically.
 class ReferencePatch {
  public:
-  static constexpr int kWarp = 6;  ///< Parameters of the affine warp, the first ones.
-  static constexpr int kGain = 6;  ///< Index of the gain.
+  static constexpr int kWarp = 6;      ///< Parameters of the affine warp, the first ones.
+  static constexpr int kGain = 6;      ///< Index of the gain.
+  static constexpr int kBending = 11;  ///< Index of the first coefficient of the bending.
   static constexpr int kParameters = 17;
   static constexpr int kRawRadius = PatchPoints::kRadius + SmoothWindow::kKernelRadius + 1;
   using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
@@ -68,8 +69,17 @@ class ReferencePatch {
   const Vector& prior() const { return prior_; }
   /// `(J^T W J + D)^-1`.
   const Matrix& inverse() const { return inverse_; }
-  /// Covariance of the shift [px^2] for white noise of one gray value in the image.
-  const Eigen::Matrix2d& shiftCovariance() const { return shift_covariance_; }
+  /// Sets the anchor, the point of the patch that is tracked (offset from the centre [px]), to
+  /// where the warp is determined best, within `reach` of the centre. An ideal corner looks the
+  /// same at any scale: only its tip is known, and what lies beside it is not.
+  void chooseAnchor(double reach);
+  const Eigen::Vector2d& anchor() const { return anchor_; }
+
+  /// Covariance of the anchor [px^2] for white noise of one gray value in the image.
+  Eigen::Matrix2d anchorCovariance() const;
+
+  /// Displacement of the anchor by the bending in a solution of gain 1.
+  Eigen::Vector2d bendingAtAnchor(const Vector& solution) const;
 
   /// `J^T W values`, J the derivatives by the parameters; for values of PatchPoints::kCount points.
   Vector project(const float* values) const;
@@ -89,7 +99,8 @@ class ReferencePatch {
   Matrix squared_;  // J^T W^2 J: the covariance of J^T W noise.
   Vector prior_;
   Matrix inverse_;
-  Eigen::Matrix2d shift_covariance_;
+  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero();
+  Eigen::Matrix<double, kWarp, kWarp> warp_covariance_;
 };
 
 }  // namespace camera_self_calibration

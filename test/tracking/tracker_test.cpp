@@ -26,8 +26,8 @@ TestImage still(std::uint64_t noise_seed) {
 }
 
 // Detected in the first image only.
-SequenceOptions once(int images) {
-  SequenceOptions options;
+BoxSequence once(int images) {
+  BoxSequence options;
   options.images = images;
   options.detect_every = images;
   return options;
@@ -42,7 +42,7 @@ std::vector<double> errorsInImage(const std::vector<TrackSample>& samples, int i
 }
 
 TEST(Tracker, FollowsThroughChangesOfBrightness) {
-  SequenceOptions options = once(12);
+  BoxSequence options = once(12);
   options.world_from_camera = [](int i) {
     return Rigid3(expSo3({0.002 * i, 0.003 * i, 0.0}), {0.005 * i, 0.0, 0.0});
   };
@@ -55,30 +55,30 @@ TEST(Tracker, FollowsThroughChangesOfBrightness) {
   const auto samples = trackSequence(renderer(), options);
   const auto first = errorsInImage(samples, 1), last = errorsInImage(samples, 11);
   EXPECT_GT(last.size(), first.size() * 7 / 10);
-  EXPECT_LT(median(last), 0.05);
+  EXPECT_LT(medianOf(last), 0.05);
 }
 
 TEST(Tracker, FollowsThroughATurnOfTheCamera) {
-  SequenceOptions options = once(31);
+  BoxSequence options = once(31);
   options.world_from_camera = [](int i) {
     return Rigid3(expSo3({0.0, 0.0, i * 3.0 * M_PI / 180.0}), Eigen::Vector3d::Zero());
   };
   const auto errors = errorsInImage(trackSequence(renderer(), options), 30);
   EXPECT_GT(errors.size(), 20u);
-  EXPECT_LT(median(errors), 0.05);
+  EXPECT_LT(medianOf(errors), 0.05);
 }
 
 TEST(Tracker, FollowsThroughChangesOfScale) {
   for (const double speed : {0.045, -0.05}) {  // [m per image] towards and away from the wall.
-    SequenceOptions options = once(21);
+    BoxSequence options = once(21);
     options.world_from_camera = [speed](int i) {
       return Rigid3(Eigen::Quaterniond::Identity(), {0.0, 0.0, speed * i});
     };
     const auto errors = errorsInImage(trackSequence(renderer(), options), 20);
     std::printf("scale %.2f: %zu tracks, median error %.3f px\n", 2.0 / (2.0 - 20 * speed),
-                errors.size(), median(errors));
+                errors.size(), medianOf(errors));
     EXPECT_GT(errors.size(), 20u) << speed;
-    EXPECT_LT(median(errors), 0.06) << speed;
+    EXPECT_LT(medianOf(errors), 0.06) << speed;
   }
 }
 
@@ -108,7 +108,7 @@ TEST(Tracker, GatesSilhouettes) {
   TexturedBox box(11);
   box.setCard({0.0, 0.0, 1.0}, 0.3);
   const BoxRenderer with_card(box, smallCamera(), 4);
-  SequenceOptions options = once(25);
+  BoxSequence options = once(25);
   options.world_from_camera = [](int i) {
     return Rigid3(Eigen::Quaterniond::Identity(), {0.012 * i, 0.008 * i, 0.0});
   };
@@ -123,7 +123,7 @@ TEST(Tracker, GatesSilhouettes) {
 }
 
 TEST(Tracker, SameImagesGiveTheSameTracks) {
-  SequenceOptions options;
+  BoxSequence options;
   options.images = 8;
   options.detect_every = 3;
   options.world_from_camera = [](int i) {

@@ -1,10 +1,12 @@
+#include "camera_self_calibration/tracking/keyframe_rule.h"
+
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "camera_self_calibration/geometry/rigid3.h"
 #include "camera_self_calibration/geometry/so3.h"
-#include "camera_self_calibration/tracking/keyframe_rule.h"
 
 namespace camera_self_calibration {
 namespace {
