@@ -27,7 +27,7 @@ std::string format(const char* text, double a, double b) {
 }
 
 bool isUnobserved(const HealthEvidence& evidence, const Camera& camera) {
-  if (!evidence.has_estimate) return false;
+  if (!evidence.has_estimate || evidence.information.size() == 0) return false;
   return !(evidence.uncertainty.rms < kUselessUncertaintyShare * camera.width()) ||
          !(scaledEigenvalues(evidence.information)(0) > kUnobservedEigenvalue);
 }
@@ -36,11 +36,16 @@ bool isUnobserved(const HealthEvidence& evidence, const Camera& camera) {
 
 std::string toString(CalibrationState state) {
   switch (state) {
-    case CalibrationState::kWaitingForMotion: return "WAITING_FOR_MOTION";
-    case CalibrationState::kInitializing: return "INITIALIZING";
-    case CalibrationState::kConverging: return "CONVERGING";
-    case CalibrationState::kConverged: return "CONVERGED";
-    case CalibrationState::kDegenerate: return "DEGENERATE";
+    case CalibrationState::kWaitingForMotion:
+      return "WAITING_FOR_MOTION";
+    case CalibrationState::kInitializing:
+      return "INITIALIZING";
+    case CalibrationState::kConverging:
+      return "CONVERGING";
+    case CalibrationState::kConverged:
+      return "CONVERGED";
+    case CalibrationState::kDegenerate:
+      return "DEGENERATE";
   }
   return "";
 }
@@ -49,7 +54,7 @@ std::string weakestDirection(const IntrinsicsMatrix& information, const Camera& 
   Intrinsics scale = information.diagonal().cwiseMax(0.0).cwiseSqrt();
   for (double& s : scale) s = s > 0.0 ? 1.0 / s : 0.0;
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  if (!scaled.allFinite()) return "all parameters";
+  if (scaled.size() == 0 || !scaled.allFinite()) return "all parameters";
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   const Eigen::VectorXd direction = eigen.eigenvectors().col(0).cwiseAbs();
   std::string names;
