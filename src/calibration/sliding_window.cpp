@@ -46,14 +46,16 @@ Rigid3 SlidingWindow::newestPose() const {
   return map_.keyframes().empty() ? Rigid3() : map_.keyframes().back().world_from_camera;
 }
 
-// Median inverse depth, in the segment's last keyframe, of the landmarks of the segment.
+// Median inverse depth, in the segment's last keyframe, of the landmarks that are seen there.
 static double newestInverseDepth(const Segment& segment) {
   std::vector<double> depths;
-  const Rigid3& newest = segment.keyframes.back().world_from_camera;
-  for (const Landmark& landmark : segment.landmarks) {
-    depths.push_back(transferInverseDepth(
-        segment.keyframes[landmark.reference].world_from_camera, landmark.bearing,
-        landmark.inverse_depth, newest));
+  const int last = static_cast<int>(segment.keyframes.size()) - 1;
+  for (const Observation& observation : segment.observations) {
+    if (observation.keyframe != last) continue;
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
+                                          landmark.bearing, landmark.inverse_depth,
+                                          segment.keyframes[last].world_from_camera));
   }
   const double value = median(std::move(depths), 1.0);
   return value > 0.0 ? value : 1.0;
@@ -94,14 +96,29 @@ void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool t
 }
 
 void SlidingWindow::reseed(const Segment& solution) {
+  if (solution.keyframes.size() < 2) return;
+  const Keyframe* newest = map_.keyframe(solution.keyframes.back().id);
+  if (newest == nullptr) return;
   Segment known = solution;
-  auto& keyframes = known.keyframes;
-  while (!keyframes.empty() && map_.keyframe(keyframes.back().id) == nullptr) keyframes.pop_back();
-  if (keyframes.size() != solution.keyframes.size() || keyframes.size() < 2) return;
-  const Rigid3 pose = map_.keyframe(keyframes.back().id)->world_from_camera;
-  keepNewestPoseAndDepth(pose, map_.medianInverseDepth(keyframes.back().id, camera_), &known);
-  for (Keyframe& keyframe : keyframes) keyframe.calibration_generation = generation_;
+  keepNewestPoseAndDepth(newest->world_from_camera, medianDepthOf(solution, *newest), &known);
+  for (Keyframe& keyframe : known.keyframes) keyframe.calibration_generation = generation_;
   map_.update(known);
+}
+
+// Over just the points that newestInverseDepth looks at: others would shift the median and, one
+// reseeding after the other, let the scale run away.
+double SlidingWindow::medianDepthOf(const Segment& solution, const Keyframe& newest) const {
+  std::vector<double> depths;
+  const int last = static_cast<int>(solution.keyframes.size()) - 1;
+  for (const Observation& observation : solution.observations) {
+    if (observation.keyframe != last) continue;
+    const auto found = map_.points().find(solution.landmarks[observation.landmark].track_id);
+    if (found == map_.points().end()) continue;
+    const auto depth = map_.inverseDepthFrom(newest.world_from_camera, found->second, camera_);
+    if (depth) depths.push_back(*depth);
+  }
+  const double value = median(std::move(depths), 1.0);
+  return value > 0.0 ? value : 1.0;
 }
 
 std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Track& track) const {
@@ -110,9 +127,8 @@ std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Tr
   if (anchor == nullptr || sighting == nullptr) return std::nullopt;
   const auto ray = camera_.unproject(sighting->pixel);
   if (!ray) return std::nullopt;
-  return PointView{anchor->world_from_camera.rotation * *ray,
-                   anchor->world_from_camera.translation, point.inverse_depth, track.pixel,
-                   track.sigma};
+  return PointView{anchor->world_from_camera.rotation * *ray, anchor->world_from_camera.translation,
+                   point.inverse_depth, track.pixel, track.sigma};
 }
 
 PoseEstimate SlidingWindow::localize(const TrackedFrame& frame, const Rigid3& guess) const {
@@ -158,13 +174,8 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
   for (const Track& track : tracks) {
     const auto found = map_.points().find(track.id);
     if (found == map_.points().end()) continue;
-    const Keyframe* anchor = map_.keyframe(found->second.anchor_id);
-    const Map::Sighting* sighting = sightingIn(found->second, found->second.anchor_id);
-    const auto ray = camera_.unproject(sighting->pixel);
-    if (!ray) continue;
-    depths.push_back(transferInverseDepth(anchor->world_from_camera, *ray,
-                                          found->second.inverse_depth,
-                                          keyframe.world_from_camera));
+    const auto known = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
+    if (known) depths.push_back(*known);
   }
   const double depth = median(std::move(depths), 1.0);
   map_.addKeyframe(keyframe, tracks, depth > 0.0 ? depth : 1.0, camera_);

@@ -35,6 +35,15 @@ std::vector<Camera> otherGuesses(const Camera& initial) {
   return guesses;
 }
 
+// How many keyframes of a segment end with the newest one of `solved`: usually all but one, fewer
+// where keyframes came faster than they were solved, none where the two do not meet.
+int keyframesUpTo(const Segment& solved, const Segment& segment) {
+  if (solved.keyframes.empty()) return 0;
+  int count = static_cast<int>(segment.keyframes.size());
+  while (count > 0 && segment.keyframes[count - 1].id != solved.keyframes.back().id) --count;
+  return count;
+}
+
 }  // namespace
 
 double bootstrap(const StartupOptions& options, Segment* segment, Camera* camera) {
@@ -51,8 +60,8 @@ double bootstrap(const StartupOptions& options, Segment* segment, Camera* camera
   }
   double cost = std::numeric_limits<double>::infinity();
   for (int k = 1; k < static_cast<int>(segment->keyframes.size()); ++k) {
-    cost = growByKeyframe(k, k + 1 >= options.free_after_keyframes,
-                          options.max_inverse_depth_ratio, segment, camera);
+    cost = growByKeyframe(k, k + 1 >= options.free_after_keyframes, options.max_inverse_depth_ratio,
+                          segment, camera);
   }
   return cost;
 }
@@ -66,7 +75,7 @@ void Startup::reset(const Camera& initial) {
   segment_ = Segment();
   information_ = IntrinsicsMatrix();
   usable_ = false;
-  added_ = 1;
+  added_ = 0;
   next_retry_ = kFirstRetry;
 }
 
@@ -98,22 +107,23 @@ void Startup::keepKnown(Segment* segment) const {
 void Startup::add(const Segment& segment) {
   const int keyframes = static_cast<int>(segment.keyframes.size());
   if (keyframes < 2) return;
-  const bool continues = !segment_.keyframes.empty() &&
-                         segment_.keyframes.back().id == segment.keyframes[keyframes - 2].id;
+  const int known = keyframesUpTo(segment_, segment);
   Segment grown = segment;
-  if (continues) {
+  if (known > 0) {
     keepKnown(&grown);
-    growByKeyframe(keyframes - 1, keyframes >= options_.free_after_keyframes,
-                   options_.max_inverse_depth_ratio, &grown, &camera_);
+    for (int k = known; k < keyframes; ++k) {
+      growByKeyframe(k, k + 1 >= options_.free_after_keyframes, options_.max_inverse_depth_ratio,
+                     &grown, &camera_);
+    }
+    added_ += keyframes - known;
   } else {
     camera_ = initial_;
     bootstrap(options_, &grown, &camera_);
-    added_ = keyframes - 1;
+    added_ = keyframes;
     next_retry_ = kFirstRetry;
   }
   segment_ = grown;
   judge();
-  ++added_;
   if (added_ >= next_retry_ &&
       (!usable_ || residual_scale_ * residual_scale_ > options_.retry_cost)) {
     tryOtherGuesses(segment);

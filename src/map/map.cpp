@@ -154,20 +154,25 @@ void Map::update(const Segment& segment) {
   }
 }
 
+std::optional<double> Map::inverseDepthFrom(const Rigid3& world_from_camera, const Point& point,
+                                            const Camera& camera) const {
+  const Keyframe* anchor = keyframe(point.anchor_id);
+  const Sighting* sighting = sightingIn(point, point.anchor_id);
+  if (anchor == nullptr || sighting == nullptr) return std::nullopt;
+  const auto ray = camera.unproject(sighting->pixel);
+  if (!ray) return std::nullopt;
+  return transferInverseDepth(anchor->world_from_camera, *ray, point.inverse_depth,
+                              world_from_camera);
+}
+
 double Map::medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) const {
   std::vector<double> depths;
   const Keyframe* other = keyframe(keyframe_id);
   if (other == nullptr) return 1.0;
   for (const auto& [track_id, point] : points_) {
-    const Keyframe* anchor = keyframe(point.anchor_id);
-    const Sighting* sighting = sightingIn(point, point.anchor_id);
-    if (anchor == nullptr || sighting == nullptr || sightingIn(point, keyframe_id) == nullptr) {
-      continue;
-    }
-    if (const auto ray = camera.unproject(sighting->pixel)) {
-      depths.push_back(transferInverseDepth(anchor->world_from_camera, *ray, point.inverse_depth,
-                                            other->world_from_camera));
-    }
+    if (sightingIn(point, keyframe_id) == nullptr) continue;
+    const auto depth = inverseDepthFrom(other->world_from_camera, point, camera);
+    if (depth) depths.push_back(*depth);
   }
   if (depths.empty()) return 1.0;
   const auto middle = depths.begin() + depths.size() / 2;

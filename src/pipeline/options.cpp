@@ -1,5 +1,7 @@
 #include "camera_self_calibration/pipeline/options.h"
 
+#include <cmath>
+
 namespace camera_self_calibration {
 
 double Options::convergedRms(int width) const {
@@ -24,12 +26,17 @@ std::vector<std::string> Options::problems() const {
   if (!(alpha > 0.0 && alpha < 1.0)) {
     list.push_back("alpha is " + std::to_string(alpha) + ", it must lie between 0 and 1");
   }
-  if (!(converged_pixel_rms >= 0.0)) {
+  if (!(converged_pixel_rms >= 0.0) || std::isinf(converged_pixel_rms)) {
     list.push_back("converged_pixel_rms is " + std::to_string(converged_pixel_rms) +
                    ", it must be positive, or 0 for 1 px per 640 px of width");
   }
-  if (initial_camera && (!initial_camera->valid() || initial_camera->model() != model)) {
-    list.push_back("initial_camera must be a valid camera of the model " + toString(model));
+  if (std::isnan(handover_entropy)) {
+    list.push_back("handover_entropy is not a number; -infinity turns it off");
+  }
+  if (initial_camera && (!initial_camera->valid() || initial_camera->model() != model ||
+                         initial_camera->width() <= 0 || initial_camera->height() <= 0)) {
+    list.push_back("initial_camera must be a valid camera of the model " + toString(model) +
+                   " with its image size");
   }
   return list;
 }

@@ -61,6 +61,7 @@ struct SelfCalibrator::Impl {
                     std::chrono::steady_clock::time_point begin);
   void processKeyframe(const KeyframeMessage& message);
   bool accept(const TrackedFrame& frame);
+  void leaveOut(std::int64_t stamp_ns, const std::string& reason);
   void start(int width, int height);
   void raise(const Event& event) const {
     if (callbacks.event) callbacks.event(event);
@@ -76,7 +77,7 @@ struct SelfCalibrator::Impl {
   int width = 0;
   int height = 0;
   std::int64_t last_stamp_ns = 0;
-  bool size_reported = false;
+  std::string left_out;  // why the last image was; empty if it was not
   std::atomic<bool> reset_requested{false};
 
   // Thread 2; created by thread 1 before the first keyframe reaches it.
@@ -93,30 +94,38 @@ struct SelfCalibrator::Impl {
   std::thread back_thread;
 };
 
+// An initial calibration holds for its own image size, whatever the first image's.
 void SelfCalibrator::Impl::start(int image_width, int image_height) {
-  width = image_width;
-  height = image_height;
   const Camera camera = options.initial_camera
                             ? *options.initial_camera
-                            : Camera::defaultGuess(options.model, width, height);
+                            : Camera::defaultGuess(options.model, image_width, image_height);
+  width = camera.width();
+  height = camera.height();
   front_end = std::make_unique<FrontEnd>(options, camera);
   back_end = std::make_unique<BackEnd>(options, camera);
   std::lock_guard<std::mutex> lock(mutex);
   report.camera = camera;
 }
 
+// Said once for a run of such images.
+void SelfCalibrator::Impl::leaveOut(std::int64_t stamp_ns, const std::string& reason) {
+  if (reason != left_out) raise({EventType::kInput, stamp_ns, stamp_ns, reason});
+  left_out = reason;
+}
+
 bool SelfCalibrator::Impl::accept(const TrackedFrame& frame) {
-  if (!front_end) start(frame.width, frame.height);
-  if (frame.width != width || frame.height != height) {
-    if (!size_reported) {
-      raise({EventType::kInput, frame.stamp_ns, frame.stamp_ns,
-             "images of " + sizeText(frame.width, frame.height) + " are left out: the calibration "
-             "is for " + sizeText(width, height) + "; restart to calibrate the new size"});
-    }
-    size_reported = true;
+  if (frame.width <= 0 || frame.height <= 0) {
+    leaveOut(frame.stamp_ns, "an empty image is left out");
     return false;
   }
-  size_reported = false;
+  if (!front_end) start(frame.width, frame.height);
+  if (frame.width != width || frame.height != height) {
+    leaveOut(frame.stamp_ns, "images of " + sizeText(frame.width, frame.height) +
+                                 " are left out: the calibration is for " +
+                                 sizeText(width, height) + "; restart to calibrate the new size");
+    return false;
+  }
+  left_out.clear();
   if (frame.stamp_ns < last_stamp_ns) {
     raise({EventType::kInput, frame.stamp_ns, frame.stamp_ns,
            "time jumped back: a new map begins, the calibration stays"});
@@ -128,13 +137,9 @@ bool SelfCalibrator::Impl::accept(const TrackedFrame& frame) {
 
 void SelfCalibrator::Impl::processImage(const ImageView& image) {
   const auto begin = std::chrono::steady_clock::now();
-  if (image.data == nullptr || image.width <= 0 || image.height <= 0) {
-    raise({EventType::kInput, image.stamp_ns, image.stamp_ns, "an empty image is left out"});
-    return;
-  }
   TrackedFrame header;
   header.stamp_ns = image.stamp_ns;
-  header.width = image.width;
+  header.width = image.data != nullptr ? image.width : 0;
   header.height = image.height;
   if (!accept(header)) return;
   if (reset_requested.exchange(false)) {
@@ -142,7 +147,8 @@ void SelfCalibrator::Impl::processImage(const ImageView& image) {
     front_end->resetMap();
   }
   const TrackedFrame frame = tracker.track(image);  // a copy: detect() adds to the tracker's own
-  processFrame(frame, [this] { return tracker.detect(); }, begin);
+  processFrame(
+      frame, [this] { return tracker.detect(); }, begin);
 }
 
 void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,

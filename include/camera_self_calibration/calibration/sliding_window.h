@@ -58,6 +58,7 @@ class SlidingWindow {
 
  private:
   std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
+  double medianDepthOf(const Segment& solution, const Keyframe& newest) const;
   int conditioningCount() const;
   void keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth, Segment* segment) const;
   std::vector<std::int64_t> solveWindow();

@@ -62,6 +62,10 @@ class Map {
   /// the map has forgotten since then is left out.
   void update(const Segment& segment);
 
+  /// Inverse depth of a point as seen from a pose; nothing where its anchor's pixel has no ray.
+  std::optional<double> inverseDepthFrom(const Rigid3& world_from_camera, const Point& point,
+                                         const Camera& camera) const;
+
   /// Median inverse depth of the points seen in a keyframe, in its own frame; 1 without any.
   double medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) const;
 

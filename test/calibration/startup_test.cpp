@@ -1,0 +1,172 @@
+#include "camera_self_calibration/calibration/startup.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <iostream>
+
+#include "camera_self_calibration/calibration/growth.h"
+#include "camera_self_calibration/estimation/marginal.h"
+#include "estimation/sample_segments.h"
+
+namespace camera_self_calibration {
+namespace {
+
+SimulatedSegment longSegment(const Camera& camera, MotionKind motion, std::uint64_t seed,
+                             int keyframes = 16) {
+  SegmentOptions options;
+  options.camera = camera;
+  options.motion = motion;
+  options.keyframes = keyframes;
+  options.tracks.max_features = 80;
+  options.tracks.pixel_sigma = 0.25;
+  options.tracks.outlier_share = 0.01;
+  return makeSegment(options, seed);
+}
+
+// As a front end hands over its history that knows nothing but the default guess.
+Segment forgotten(Segment segment, const Camera& guess) {
+  for (Keyframe& keyframe : segment.keyframes) keyframe.world_from_camera = Rigid3();
+  std::vector<char> seen(segment.landmarks.size(), 0);
+  for (const Observation& o : segment.observations) {
+    if (seen[o.landmark]++ != 0 || segment.landmarks[o.landmark].anchored) continue;
+    segment.landmarks[o.landmark].bearing =
+        guess.unproject(o.pixel).value_or(Eigen::Vector3d::UnitZ());
+  }
+  for (Landmark& landmark : segment.landmarks) landmark.inverse_depth = 1.0;
+  return segment;
+}
+
+// Keyframe by keyframe, but for those in `dropped`.
+Startup grown(const SimulatedSegment& made, const std::vector<int>& dropped = {}) {
+  const Camera guess = Camera::defaultGuess(made.camera.model(), 640, 480);
+  const Segment history = forgotten(made.segment, guess);
+  Startup startup(StartupOptions(), guess);
+  for (int k = 2; k <= static_cast<int>(history.keyframes.size()); ++k) {
+    if (std::count(dropped.begin(), dropped.end(), k) > 0) continue;
+    std::vector<int> index;
+    startup.add(prefixOf(history, k, 1, &index));
+  }
+  return startup;
+}
+
+bool isRight(const Startup& startup, const Camera& truth) {
+  const auto covariance = covarianceFromInformation(startup.information());
+  if (!startup.usable() || !covariance) return false;
+  const Eigen::VectorXd error = startup.camera().parameters() - truth.parameters();
+  // Chi-square with up to 8 degrees, 1 in 10000.
+  return error.dot(covariance->ldlt().solve(error)) < 32.0;
+}
+
+TEST(Startup, ReachesTheTruthFromTheDefaultGuess) {
+  for (const Camera& truth : ordinaryCameras()) {
+    int right = 0;
+    constexpr int kTrials = 10;
+    for (std::uint64_t seed = 0; seed < kTrials; ++seed) {
+      right += isRight(grown(longSegment(truth, MotionKind::kHandheld, seed)), truth);
+    }
+    std::cout << toString(truth.model()) << ": " << right << " of " << kTrials << " right\n";
+    EXPECT_GE(right, 9) << toString(truth.model());
+  }
+}
+
+TEST(Startup, SolvesPosesAndDepthsToo) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment made = longSegment(truth, MotionKind::kHandheld, 3);
+  const Startup startup = grown(made);
+  ASSERT_TRUE(isRight(startup, truth));
+  EXPECT_NEAR(startup.residualScale(), 1.0, 0.15);
+  // Up to the scale.
+  const auto& solved = startup.segment().keyframes;
+  const auto& right = made.segment.keyframes;
+  ASSERT_EQ(solved.size(), right.size());
+  const auto from_first = [](const std::vector<Keyframe>& keyframes, std::size_t k) {
+    return keyframes.front().world_from_camera.inverse() * keyframes[k].world_from_camera;
+  };
+  const std::size_t last = right.size() - 1;
+  const double scale =
+      from_first(right, last).translation.norm() / from_first(solved, last).translation.norm();
+  for (std::size_t k = 1; k <= last; ++k) {
+    const Rigid3 a = from_first(solved, k), b = from_first(right, k);
+    EXPECT_LT((scale * a.translation - b.translation).norm(), 0.05) << k;
+    EXPECT_LT(a.rotation.angularDistance(b.rotation), 0.03) << k;
+  }
+}
+
+// The uncertainty stays far above what would be handed over (2 px at this width).
+TEST(Startup, WaitsWhereMotionDoesNotInform) {
+  for (const MotionKind motion : {MotionKind::kForwardOnly, MotionKind::kSidewaysOnly}) {
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+      const Camera truth = ordinaryCameras()[seed % 4];
+      const Startup startup = grown(longSegment(truth, motion, seed, 14));
+      if (!startup.usable()) continue;
+      const auto covariance = covarianceFromInformation(startup.information());
+      if (!covariance) continue;
+      EXPECT_GT(pixelUncertainty(startup.camera(), *covariance).rms, 8.0)
+          << toString(motion) << " " << toString(truth.model());
+    }
+  }
+}
+
+// With two threads the newest keyframe may find the batch busy, and is left out.
+TEST(Startup, BearsKeyframesThatItNeverSees) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment made = longSegment(truth, MotionKind::kHandheld, 3);
+  const Startup startup = grown(made, {6, 9, 10, 14});
+  EXPECT_TRUE(isRight(startup, truth));
+  EXPECT_EQ(startup.segment().keyframes.size(), made.segment.keyframes.size());
+}
+
+TEST(Startup, ResetForgets) {
+  const Camera truth = ordinaryCameras()[1];
+  Startup startup = grown(longSegment(truth, MotionKind::kHandheld, 3));
+  ASSERT_TRUE(startup.usable());
+  startup.reset(truth);
+  EXPECT_FALSE(startup.usable());
+  EXPECT_EQ(startup.camera().parameters(), truth.parameters());
+  EXPECT_TRUE(startup.segment().keyframes.empty());
+}
+
+TEST(Startup, BearsSegmentsWithoutContent) {
+  const Camera guess = Camera::defaultGuess(CameraModel::kFov, 640, 480);
+  Startup startup(StartupOptions(), guess);
+  Segment segment;
+  startup.add(segment);
+  for (int k = 0; k < 12; ++k) {
+    Keyframe keyframe;
+    keyframe.id = k;
+    segment.keyframes.push_back(keyframe);
+    startup.add(segment);
+    EXPECT_FALSE(startup.usable());
+  }
+  EXPECT_TRUE(startup.camera().valid());
+}
+
+TEST(PrefixOf, IsWhatTheFirstKeyframesSaw) {
+  const SimulatedSegment made = longSegment(ordinaryCameras()[1], MotionKind::kHandheld, 1);
+  std::vector<int> index;
+  const Segment prefix = prefixOf(made.segment, 5, 2, &index);
+  EXPECT_EQ(prefix.keyframes.size(), 5u);
+  ASSERT_EQ(index.size(), prefix.landmarks.size());
+  std::vector<int> views(prefix.landmarks.size(), 0);
+  for (const Observation& o : prefix.observations) {
+    EXPECT_LT(o.keyframe, 5);
+    ++views[o.landmark];
+  }
+  for (std::size_t l = 0; l < prefix.landmarks.size(); ++l) {
+    EXPECT_GE(views[l], prefix.landmarks[l].anchored ? 2 : 3);
+    EXPECT_EQ(prefix.landmarks[l].track_id, made.segment.landmarks[index[l]].track_id);
+  }
+  Segment changed = prefix;
+  changed.keyframes[2].world_from_camera.translation.x() = 7.0;
+  changed.landmarks[0].inverse_depth = 0.123;
+  Segment whole = made.segment;
+  adoptPrefix(changed, index, &whole);
+  EXPECT_EQ(whole.keyframes[2].world_from_camera.translation.x(), 7.0);
+  EXPECT_EQ(whole.landmarks[index[0]].inverse_depth, 0.123);
+  EXPECT_EQ(whole.keyframes.size(), made.segment.keyframes.size());
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

@@ -1,0 +1,150 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <iostream>
+
+#include "estimation/sample_segments.h"
+#include "pipeline/track_run.h"
+
+namespace camera_self_calibration {
+namespace {
+
+double worstSigmas(const CalibrationReport& report, const Camera& truth) {
+  double worst = 0.0;
+  for (int i = 0; i < truth.estimatedCount(); ++i) {
+    const double error = report.camera.parameters()(i) - truth.parameters()(i);
+    worst = std::max(worst, std::abs(error) / std::sqrt(report.covariance(i, i)));
+  }
+  return worst;
+}
+
+TEST(Convergence, FromTheDefaultGuessForEachModel) {
+  for (const Camera& truth : ordinaryCameras()) {
+    for (const std::uint64_t seed : {1, 2, 3}) {
+      TrackRunOptions run;
+      run.seed = seed;
+      TrackRun calibration(truth, optionsFor(truth.model()), run);
+      const bool converged = calibration.runUntilConverged(600);
+      const CalibrationReport report = calibration.report();
+      ASSERT_TRUE(converged) << toString(truth.model()) << " seed " << seed << ": "
+                             << report.sentence;
+      const double at_convergence = worstSigmas(report, truth);
+      calibration.run(100);
+      const CalibrationReport later = calibration.report();
+      const double distance = pixelDistance(truth, later.camera).rms;
+      std::cout << toString(truth.model()) << " seed " << seed << ": converged at keyframe "
+                << report.keyframes << ", worst error " << at_convergence << " sigma, later "
+                << worstSigmas(later, truth) << " sigma, " << distance << " px of "
+                << later.uncertainty.rms << " expected\n";
+      EXPECT_LT(at_convergence, 3.5);
+      EXPECT_LT(worstSigmas(later, truth), 3.5);
+      EXPECT_LT(distance, 1.0);
+      EXPECT_EQ(later.state, CalibrationState::kConverged);
+      EXPECT_EQ(calibration.record.count(EventType::kHandover), 1);
+      EXPECT_EQ(calibration.record.count(EventType::kConverged), 1);
+      EXPECT_EQ(calibration.record.count(EventType::kLost), 0);
+    }
+  }
+}
+
+TEST(Convergence, WithOutliers) {
+  const Camera truth = ordinaryCameras()[1];
+  TrackRunOptions run;
+  run.outlier_share = 0.03;
+  TrackRun calibration(truth, optionsFor(truth.model()), run);
+  ASSERT_TRUE(calibration.runUntilConverged(600)) << calibration.report().sentence;
+  EXPECT_LT(worstSigmas(calibration.report(), truth), 3.5);
+}
+
+TEST(Convergence, PosesFollowTheTruth) {
+  const Camera truth = ordinaryCameras()[1];
+  TrackRun calibration(truth, optionsFor(truth.model()), TrackRunOptions());
+  ASSERT_TRUE(calibration.runUntilConverged(600));
+  const std::size_t first = calibration.record.frames.size();
+  calibration.run(40);
+  const auto& frames = calibration.record.frames;
+  const auto truthOf = [&](const FrameResult& f) {
+    return calibration.tracks().worldFromCamera(f.stamp_ns);
+  };
+  // Up to the scale, relative to the frame in which it converged.
+  double dot = 0.0, square = 0.0;
+  std::vector<Eigen::Vector3d> found, right;
+  for (std::size_t i = first; i < frames.size(); ++i) {
+    ASSERT_EQ(frames[i].state, TrackingState::kTracking);
+    const auto relative = [&](const Rigid3& a, const Rigid3& b) { return a.inverse() * b; };
+    const Rigid3 estimate = relative(frames[first].world_from_camera, frames[i].world_from_camera);
+    const Rigid3 exact = relative(truthOf(frames[first]), truthOf(frames[i]));
+    EXPECT_LT(estimate.rotation.angularDistance(exact.rotation), 0.01);
+    found.push_back(estimate.translation);
+    right.push_back(exact.translation);
+    dot += exact.translation.dot(estimate.translation);
+    square += estimate.translation.squaredNorm();
+    EXPECT_GT(frames[i].pose_covariance.diagonal().minCoeff(), 0.0);
+  }
+  double worst = 0.0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    worst = std::max(worst, (dot / square * found[i] - right[i]).norm());
+  }
+  EXPECT_LT(worst, 0.03) << "metres";
+}
+
+TEST(Convergence, IsTheSameForAnyNumberOfThreads) {
+  const Camera truth = ordinaryCameras()[1];
+  std::vector<Record> records;
+  for (const int threads : {1, 3}) {
+    Options options = optionsFor(truth.model());
+    options.solver_threads = threads;
+    TrackRun calibration(truth, options, TrackRunOptions());
+    calibration.run(250);
+    records.push_back(calibration.record);
+  }
+  ASSERT_EQ(records[0].frames.size(), records[1].frames.size());
+  ASSERT_EQ(records[0].reports.size(), records[1].reports.size());
+  EXPECT_TRUE(records[0].reports.back().handed_over);
+  for (std::size_t i = 0; i < records[0].frames.size(); ++i) {
+    const Rigid3& a = records[0].frames[i].world_from_camera;
+    const Rigid3& b = records[1].frames[i].world_from_camera;
+    ASSERT_EQ(a.translation, b.translation) << i;
+    ASSERT_EQ(a.rotation.coeffs(), b.rotation.coeffs()) << i;
+  }
+  for (std::size_t i = 0; i < records[0].reports.size(); ++i) {
+    const CalibrationReport& a = records[0].reports[i];
+    const CalibrationReport& b = records[1].reports[i];
+    ASSERT_EQ(a.camera.parameters(), b.camera.parameters()) << i;
+    ASSERT_EQ(a.covariance, b.covariance) << i;
+    ASSERT_EQ(a.sentence, b.sentence) << i;
+    ASSERT_EQ(a.queue.last_decision, b.queue.last_decision) << i;
+  }
+}
+
+TEST(Convergence, ReportsAreConsistent) {
+  const Camera truth = ordinaryCameras()[1];
+  Options options = optionsFor(truth.model());
+  options.queue_segments = 4;
+  TrackRun calibration(truth, options, TrackRunOptions());
+  calibration.run(300);
+  std::int64_t keyframes = 0;
+  std::uint64_t revision = 0;
+  bool handed_over = false;
+  for (const CalibrationReport& report : calibration.record.reports) {
+    EXPECT_EQ(report.keyframes, ++keyframes);
+    EXPECT_GE(report.revision, revision);
+    revision = report.revision;
+    EXPECT_TRUE(report.handed_over || !handed_over);
+    handed_over = report.handed_over;
+    EXPECT_FALSE(report.sentence.empty());
+    EXPECT_LE(report.queue.segments.size(), 4u);
+    EXPECT_TRUE(segmentsAreDisjoint(report.queue));
+  }
+  EXPECT_TRUE(handed_over);
+  std::int64_t id = 0;
+  for (const FrameResult& frame : calibration.record.frames) {
+    EXPECT_EQ(frame.keyframe_id, frame.is_keyframe ? id : -1);
+    id += frame.is_keyframe;
+  }
+  EXPECT_EQ(id, keyframes);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

@@ -1,0 +1,218 @@
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "camera/sample_cameras.h"
+#include "camera_self_calibration/pipeline/self_calibrator.h"
+#include "camera_self_calibration/simulation/simulated_sequence.h"
+#include "pipeline/track_run.h"
+
+namespace camera_self_calibration {
+namespace {
+
+const Camera kTruth(CameraModel::kFov, 320, 240, intrinsics({150, 151, 159, 121, 0.95}));
+
+// A few seconds of rendered images, made once.
+const std::vector<ImageView>& images() {
+  static const std::vector<ImageView> views = [] {
+    SequenceOptions options;
+    options.lens.camera = kTruth;
+    options.room.texture_detail = 0.3;
+    options.rate_hz = 15.0;
+    options.duration_s = 4.0;
+    options.motion.speed = 0.6;
+    const SimulatedSequence sequence(options);
+    std::vector<ImageView> list;
+    for (int i = 0; i < sequence.size(); ++i) list.push_back(sequence.frame(i).view());
+    return list;
+  }();
+  return views;
+}
+
+// Callbacks come from two threads.
+struct LockedRecord {
+  std::mutex mutex;
+  Record record;
+
+  Callbacks callbacks() {
+    Callbacks inner = record.callbacks();
+    Callbacks result;
+    result.frame = [this, inner](const FrameResult& frame) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      inner.frame(frame);
+    };
+    result.calibration = [this, inner](const CalibrationReport& report) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      inner.calibration(report);
+    };
+    result.event = [this, inner](const Event& event) {
+      const std::lock_guard<std::mutex> lock(mutex);
+      inner.event(event);
+    };
+    return result;
+  }
+};
+
+Options smallOptions() {
+  Options options;
+  options.model = CameraModel::kFov;
+  options.tracker.max_features = 80;
+  return options;
+}
+
+TEST(Threaded, ProcessesEveryImageThatIsWaitedFor) {
+  LockedRecord locked;
+  SelfCalibrator calibrator(smallOptions(), SelfCalibrator::Mode::kThreaded, locked.callbacks());
+  for (const ImageView& image : images()) {
+    EXPECT_TRUE(calibrator.process(image));
+    calibrator.flush();
+  }
+  const Record& record = locked.record;
+  ASSERT_EQ(record.frames.size(), images().size());
+  EXPECT_EQ(calibrator.droppedImages(), 0);
+  std::size_t keyframes = 0;
+  for (std::size_t i = 0; i < images().size(); ++i) {
+    EXPECT_EQ(record.frames[i].stamp_ns, images()[i].stamp_ns);
+    keyframes += record.frames[i].is_keyframe;
+  }
+  EXPECT_GE(keyframes, 5u);
+  EXPECT_EQ(record.reports.size(), keyframes);
+  EXPECT_EQ(calibrator.calibration().keyframes, static_cast<std::int64_t>(keyframes));
+  EXPECT_EQ(record.count(EventType::kLost), 0);
+  EXPECT_EQ(record.frames.back().state, TrackingState::kTracking);
+}
+
+// Waiting after each image leaves nothing to chance: the same as inline.
+TEST(Threaded, WaitedForItIsTheSameAsInline) {
+  LockedRecord threaded, single;
+  SelfCalibrator a(smallOptions(), SelfCalibrator::Mode::kThreaded, threaded.callbacks());
+  SelfCalibrator b(smallOptions(), SelfCalibrator::Mode::kInline, single.callbacks());
+  for (const ImageView& image : images()) {
+    a.process(image);
+    a.flush();
+    b.process(image);
+  }
+  ASSERT_EQ(threaded.record.reports.size(), single.record.reports.size());
+  EXPECT_EQ(a.calibration().camera.parameters(), b.calibration().camera.parameters());
+  EXPECT_EQ(threaded.record.frames.back().world_from_camera.translation,
+            single.record.frames.back().world_from_camera.translation);
+}
+
+TEST(Threaded, DropsTheOldestWhenItCannotFollow) {
+  LockedRecord locked;
+  std::atomic<int> kept{0};
+  {
+    SelfCalibrator calibrator(smallOptions(), SelfCalibrator::Mode::kThreaded, locked.callbacks());
+    for (const ImageView& image : images()) kept += calibrator.process(image);
+    calibrator.flush();
+    const auto frames = static_cast<std::int64_t>(locked.record.frames.size());
+    EXPECT_EQ(frames + calibrator.droppedImages(), static_cast<std::int64_t>(images().size()));
+    EXPECT_EQ(kept + calibrator.droppedImages(), static_cast<std::int64_t>(images().size()));
+  }
+  // The newest is never the one that goes.
+  EXPECT_EQ(locked.record.frames.back().stamp_ns, images().back().stamp_ns);
+  std::int64_t last = 0;
+  for (const FrameResult& frame : locked.record.frames) {
+    EXPECT_GT(frame.stamp_ns, last);
+    last = frame.stamp_ns;
+  }
+}
+
+TEST(Threaded, MayBeDestroyedInTheMiddleOfWork) {
+  for (int round = 0; round < 8; ++round) {
+    LockedRecord locked;
+    auto calibrator = std::make_unique<SelfCalibrator>(
+        smallOptions(), SelfCalibrator::Mode::kThreaded, locked.callbacks());
+    for (int i = 0; i < 6 * round; ++i) {
+      calibrator->process(images()[i]);
+      if (i % 2 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(3));
+    }
+    calibrator.reset();
+    const std::size_t frames = locked.record.frames.size();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    EXPECT_EQ(locked.record.frames.size(), frames);  // silence
+  }
+}
+
+TEST(Threaded, TakesCallsFromOtherThreads) {
+  LockedRecord locked;
+  SelfCalibrator calibrator(smallOptions(), SelfCalibrator::Mode::kThreaded, locked.callbacks());
+  std::atomic<bool> stop{false};
+  std::thread reader([&] {
+    while (!stop) {
+      const CalibrationReport report = calibrator.calibration();
+      EXPECT_TRUE(report.camera.width() == 0 || report.camera.width() == 320);
+      EXPECT_GE(calibrator.droppedImages(), 0);
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  });
+  for (std::size_t i = 0; i < 30; ++i) {
+    calibrator.process(images()[i]);
+    if (i == 15) calibrator.resetTracking();
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  calibrator.flush();
+  stop = true;
+  reader.join();
+  EXPECT_GE(locked.record.frames.back().map_id, 1u);
+}
+
+TEST(Threaded, BadImagesHarmNothing) {
+  LockedRecord locked;
+  SelfCalibrator calibrator(smallOptions(), SelfCalibrator::Mode::kThreaded, locked.callbacks());
+  calibrator.process(ImageView());
+  calibrator.flush();
+  for (int i = 0; i < 5; ++i) {
+    calibrator.process(images()[i]);
+    calibrator.flush();
+  }
+  ImageView other = images()[5];
+  other.width = 160;
+  calibrator.process(other);
+  calibrator.flush();
+  EXPECT_EQ(locked.record.count(EventType::kInput), 2);
+  EXPECT_EQ(locked.record.frames.size(), 5u);
+  EXPECT_EQ(calibrator.calibration().camera.width(), 320);
+}
+
+// The back end may lag behind by any number of keyframes: its solutions arrive late, and some
+// keyframes never reach it.
+TEST(Threaded, BearsABackEndThatLags) {
+  const Camera truth = camera640(CameraModel::kFov, {300, 302, 318, 242, 0.95});
+  SyntheticMotionOptions motion;
+  motion.speed = 0.6;
+  FeatureTracksOptions track_options;
+  track_options.max_features = 80;
+  FeatureTracks tracks(makeRoom(RoomOptions()), Lens{truth, std::nullopt, 1.0},
+                       syntheticMotion(motion), track_options);
+  LockedRecord locked;
+  Callbacks callbacks = locked.callbacks();
+  const auto calibration = callbacks.calibration;
+  callbacks.calibration = [calibration](const CalibrationReport& report) {
+    calibration(report);
+    std::this_thread::sleep_for(std::chrono::milliseconds(15));
+  };
+  SelfCalibrator calibrator(smallOptions(), SelfCalibrator::Mode::kThreaded, callbacks);
+  for (int i = 0; i < 300; ++i) {
+    const TrackedFrame frame = tracks.track(static_cast<std::int64_t>(1e9 * i / 15.0));
+    calibrator.processTracks(frame, [&tracks] { return tracks.detect(); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  calibrator.flush();
+  const CalibrationReport report = calibrator.calibration();
+  std::cout << locked.record.reports.size() << " of " << report.keyframes
+            << " keyframes reached the back end: " << report.sentence << "\n";
+  EXPECT_EQ(locked.record.frames.size(), 300u);
+  EXPECT_EQ(locked.record.frames.back().state, TrackingState::kTracking);
+  EXPECT_EQ(locked.record.count(EventType::kLost), 0);
+  EXPECT_LT(locked.record.reports.size(), static_cast<std::size_t>(report.keyframes));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

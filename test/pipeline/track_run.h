@@ -1,0 +1,138 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/pipeline/self_calibrator.h"
+#include "camera_self_calibration/simulation/feature_tracks.h"
+#include "camera_self_calibration/simulation/room.h"
+#include "camera_self_calibration/simulation/synthetic_motion.h"
+
+namespace camera_self_calibration {
+
+/// Everything that a calibrator said, in order.
+struct Record {
+  std::vector<FrameResult> frames;
+  std::vector<CalibrationReport> reports;
+  std::vector<Event> events;
+
+  int count(EventType type) const {
+    int found = 0;
+    for (const Event& event : events) found += event.type == type;
+    return found;
+  }
+  bool everIn(CalibrationState state) const {
+    for (const CalibrationReport& report : reports) {
+      if (report.state == state) return true;
+    }
+    return false;
+  }
+  Callbacks callbacks() {
+    Callbacks result;
+    result.frame = [this](const FrameResult& frame) { frames.push_back(frame); };
+    result.calibration = [this](const CalibrationReport& r) { reports.push_back(r); };
+    result.event = [this](const Event& event) { events.push_back(event); };
+    return result;
+  }
+};
+
+struct TrackRunOptions {
+  MotionKind motion = MotionKind::kHandheld;
+  double motion_speed = 0.6;
+  double pixel_sigma = 0.25;
+  double outlier_share = 0.0;
+  std::uint64_t seed = 1;
+  int max_features = 80;
+  double rate_hz = 15.0;
+};
+
+/// A calibrator, inline, fed with simulated feature tracks: the whole system but the images.
+class TrackRun {
+ public:
+  TrackRun(const Camera& truth, const Options& options, const TrackRunOptions& run)
+      : rate_hz_(run.rate_hz),
+        tracks_(makeRoom(RoomOptions()), Lens{truth, std::nullopt, 1.0}, motionOf(run),
+                tracksOf(run)),
+        calibrator_(options, SelfCalibrator::Mode::kInline, record.callbacks()) {}
+
+  /// Advances by so many frames.
+  void run(int frames) {
+    for (int i = 0; i < frames; ++i) step();
+  }
+  /// Until the calibration is converged; false if it is not after so many frames.
+  bool runUntilConverged(int max_frames) {
+    for (int i = 0; i < max_frames; ++i) {
+      if (calibrator_.calibration().state == CalibrationState::kConverged) return true;
+      step();
+    }
+    return calibrator_.calibration().state == CalibrationState::kConverged;
+  }
+  void step() {
+    const std::int64_t stamp = kStartNs + static_cast<std::int64_t>(1e9 * frame_++ / rate_hz_);
+    const TrackedFrame frame = tracks_.track(stamp);  // a copy: detect() may be called inside
+    calibrator_.processTracks(frame, [this] { return tracks_.detect(); });
+  }
+  /// As if the lens were covered: frames without tracks.
+  void runBlind(int frames) {
+    tracks_.reset();
+    for (int i = 0; i < frames; ++i) {
+      TrackedFrame frame =
+          tracks_.track(kStartNs + static_cast<std::int64_t>(1e9 * frame_++ / rate_hz_));
+      frame.tracks.clear();
+      calibrator_.processTracks(frame, [] { return std::vector<Track>(); });
+    }
+  }
+  /// The clock jumps.
+  void seek(int frame) { frame_ = frame; }
+
+  SelfCalibrator& calibrator() { return calibrator_; }
+  CalibrationReport report() const { return calibrator_.calibration(); }
+  const FeatureTracks& tracks() const { return tracks_; }
+
+  Record record;
+
+ private:
+  static constexpr std::int64_t kStartNs = 1000000000;
+
+  static Trajectory motionOf(const TrackRunOptions& run) {
+    SyntheticMotionOptions options;
+    options.kind = run.motion;
+    options.speed = run.motion_speed;
+    options.seed = run.seed;
+    options.box = makeRoom(RoomOptions()).free_space;
+    options.duration_s = 120.0;
+    return syntheticMotion(options);
+  }
+  static FeatureTracksOptions tracksOf(const TrackRunOptions& run) {
+    FeatureTracksOptions options;
+    options.seed = run.seed;
+    options.max_features = run.max_features;
+    options.pixel_sigma = run.pixel_sigma;
+    options.outlier_share = run.outlier_share;
+    options.start_stamp_ns = kStartNs;
+    return options;
+  }
+
+  double rate_hz_;
+  int frame_ = 0;
+  FeatureTracks tracks_;
+  SelfCalibrator calibrator_;
+};
+
+inline bool segmentsAreDisjoint(const QueueReport& queue) {
+  for (const SegmentReport& a : queue.segments) {
+    for (const SegmentReport& b : queue.segments) {
+      if (&a != &b && a.begin_ns <= b.end_ns && b.begin_ns <= a.end_ns) return false;
+    }
+  }
+  return true;
+}
+
+inline Options optionsFor(CameraModel model) {
+  Options options;
+  options.model = model;
+  return options;
+}
+
+}  // namespace camera_self_calibration
