@@ -118,25 +118,26 @@ void ReferencePatch::fillJacobian(const SmoothWindow& window) {
   }
   mean_ = static_cast<float>(sum / points.weight_sum);
 
-  hessian_.setZero();
-  squared_.setZero();
+  // Of dynamic width: the products below would be unrolled for minutes of compilation otherwise.
+  Eigen::Matrix<double, kParameters, Eigen::Dynamic> jacobian(kParameters, PatchPoints::kCount);
+  Eigen::Matrix<double, kParameters, Eigen::Dynamic> weighted(kParameters, PatchPoints::kCount);
   for (std::size_t i = 0; i < PatchPoints::kCount; ++i) {
-    const float u = points.u[i], v = points.v[i], w = points.weight[i];
+    const double u = points.u[i], v = points.v[i], w = points.weight[i];
     const Derivatives& d = at[i];
-    Eigen::Matrix<float, kParameters, 1> j;
-    j << d.x, d.y, d.x * u, d.y * u, d.x * v, d.y * v,  // affine warp
-        d.value - mean_, 1.0f,                          // gain, offset
-        d.xx, d.xy, d.yy,                               // blur
-        d.x * u * u, d.x * u * v, d.x * v * v, d.y * u * u, d.y * u * v, d.y * v * v;  // bending
+    const auto column = static_cast<Eigen::Index>(i);
+    jacobian.col(column) << d.x, d.y, d.x * u, d.y * u, d.x * v, d.y * v,  // affine warp
+        d.value - mean_, 1.0,                                              // gain, offset
+        d.xx, d.xy, d.yy,                                                  // blur
+        d.x * u * u, d.x * u * v, d.x * v * v,                             // bending
+        d.y * u * u, d.y * u * v, d.y * v * v;
+    weighted.col(column) = w * jacobian.col(column);
     for (std::size_t k = 0; k < kParameters; ++k) {
       weighted_jacobian_[(i / kBlock * kParameters + k) * kBlock + i % kBlock] =
-          w * j(static_cast<Eigen::Index>(k));
+          static_cast<float>(weighted(static_cast<Eigen::Index>(k), column));
     }
-    hessian_.selfadjointView<Eigen::Lower>().rankUpdate(j.cast<double>(), w);
-    squared_.selfadjointView<Eigen::Lower>().rankUpdate(j.cast<double>(), w * w);
   }
-  hessian_ = Matrix(hessian_.selfadjointView<Eigen::Lower>());
-  squared_ = Matrix(squared_.selfadjointView<Eigen::Lower>());
+  hessian_.noalias() = weighted * jacobian.transpose();
+  squared_.noalias() = weighted * weighted.transpose();
   contrast_ = hessian_(kGain, kGain) / points.weight_sum;
 }
 
