@@ -159,6 +159,7 @@ void Startup::judge() {
   const double scale = fit.marginal.sigmaScale();
   information_ = fit.marginal.information / (scale * scale);
   usable_ = true;
+  considerK3(gated, fit.marginal);
   // The gated solution is the better one; tracks that did not fit stay with their old depth, since
   // they may fit later.
   std::map<std::int64_t, const Landmark*> solved;
@@ -168,6 +169,27 @@ void Startup::judge() {
     const auto found = solved.find(landmark.track_id);
     if (found != solved.end()) landmark = *found->second;
   }
+}
+
+void Startup::considerK3(const Segment& gated, const Marginal& marginal) {
+  if (camera_.model() != CameraModel::kRadtan ||
+      camera_.estimatedCount() > Camera::parameterCount(CameraModel::kRadtan) ||
+      static_cast<int>(gated.keyframes.size()) < kFirstRetry) {
+    return;
+  }
+  Segment trial = gated;
+  Camera camera = camera_;
+  camera.setEstimateK3(true);
+  SegmentFitOptions options;
+  options.gating_rounds = 0;  // the same observations and sigmas, so that the costs compare
+  const SegmentFit fit = fitSegment(options, &trial, &camera);
+  if (!fit.usable || !camera.valid()) return;
+  const double ratio =
+      2.0 * (marginal.cost - fit.marginal.cost) / std::max(1.0, marginal.designEffect());
+  if (ratio < options_.k3_likelihood_ratio) return;
+  camera_ = camera;
+  const double scale = fit.marginal.sigmaScale();
+  information_ = fit.marginal.information / (scale * scale);
 }
 
 }  // namespace camera_self_calibration

@@ -13,7 +13,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Segments that disagree by more than this factor of their uncertainties are not describing one
 // camera, or one of them sits in a wrong minimum.
-constexpr double kMaxInflation = 3.0;
+constexpr double kMaxInflation = 10.0;
 // Distance of the queue's estimate from the startup batch's, over the batch's uncertainty, beyond
 // which the queue was filled from a start that turned out wrong.
 constexpr double kMaxStartupDistance = 10.0;
@@ -59,6 +59,9 @@ void BackEnd::runStartup(const KeyframeMessage& message) {
   startup_.add(message.history);
   if (!startup_.usable()) return;
   changed_ = true;
+  if (report_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
+    clearQueue();  // its segments were scored for another number of parameters
+  }
   report_.camera = startup_.camera();
   report_.covariance = IntrinsicsMatrix();
   report_.uncertainty = {kInfinity, kInfinity};
@@ -68,6 +71,12 @@ void BackEnd::runStartup(const KeyframeMessage& message) {
     report_.uncertainty = pixelUncertainty(report_.camera, *covariance);
     report_.entropy = entropy(report_.camera, *covariance);
   }
+}
+
+void BackEnd::clearQueue() {
+  queue_.clear();
+  estimate_.clear();
+  solution_ = QueueSolution();
 }
 
 void BackEnd::offerCandidate(const KeyframeMessage& message) {
@@ -115,9 +124,7 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
   const double distance = pixelDistance(solution_.camera, startup_.camera()).rms;
   if (report_.uncertainty.rms < threshold &&
       distance > kMaxStartupDistance * (report_.uncertainty.rms + uncertainty.rms)) {
-    queue_.clear();
-    estimate_.clear();
-    solution_ = QueueSolution();
+    clearQueue();
     obstacle_ = "the stretches in the queue contradicted the whole and were let go";
     return;
   }

@@ -31,6 +31,7 @@ class BackEnd {
 
  private:
   void runStartup(const KeyframeMessage& message);
+  void clearQueue();
   void offerCandidate(const KeyframeMessage& message);
   void solveQueue();
   void adoptSolution();

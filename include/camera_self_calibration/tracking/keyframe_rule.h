@@ -9,8 +9,8 @@
 namespace camera_self_calibration {
 
 struct KeyframeOptions {
-  double min_parallax = 0.02;      ///< Median track motion beyond rotation, per image width.
-  double min_rotation_deg = 8.0;   ///< [deg]
+  double min_parallax = 0.01;      ///< Median track motion beyond rotation, per image width.
+  double min_rotation_deg = 5.0;   ///< [deg]
   double min_tracked_share = 0.7;  ///< Of the last keyframe's tracks; fewer make a keyframe.
 
   std::vector<std::string> problems() const;
