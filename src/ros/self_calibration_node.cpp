@@ -72,9 +72,11 @@ void SelfCalibrationNode::subscribe() {
 
 void SelfCalibrationNode::onImage(const sensor_msgs::ImageConstPtr& message) {
   compressed_subscriber_.shutdown();  // "auto": what comes first is taken.
-  image_publisher_.publish(message);
   const GrayImage gray = converter_.convert(message);
-  if (gray.view) publishCameraInfo(message->header, *gray.view);
+  if (gray.view) {
+    image_publisher_.publish(message);
+    publishCameraInfo(message->header, *gray.view);
+  }
   take(gray, message->header);
 }
 

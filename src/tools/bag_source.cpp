@@ -82,7 +82,7 @@ struct BagReader {
     return converter.convert(*image);
   }
 
-  std::optional<SourceImage> next() {
+  std::optional<GrayImage> next() {
     if (!view || position == view->end()) return std::nullopt;
     const rosbag::MessageInstance& message = *position;
     GrayImage image = gray(message);
@@ -91,7 +91,7 @@ struct BagReader {
       image.view->stamp_ns = toNanoseconds(message.getTime());
     }
     ++position;
-    return SourceImage{std::move(image.view), std::move(image.error)};
+    return image;
   }
 };
 
@@ -111,7 +111,7 @@ void selectTimes(const std::string& topic, const SourceOptions& options, BagRead
 }
 
 /// A chunk that is damaged in the middle of a bag shows only when it is read.
-std::optional<SourceImage> readNext(BagReader* reader, const std::string& path) {
+std::optional<GrayImage> readNext(BagReader* reader, const std::string& path) {
   try {
     return reader->next();
   } catch (const std::exception& e) {

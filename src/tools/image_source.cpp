@@ -20,7 +20,7 @@ constexpr double kDefaultRateHz = 30.0;
 // Stamps of images that carry none begin here, since 0 means "no time" in ROS.
 constexpr std::int64_t kFirstStampNs = 1000000000;
 
-SourceImage imageOf(cv::Mat gray, std::int64_t stamp_ns) {
+GrayImage imageOf(cv::Mat gray, std::int64_t stamp_ns) {
   const auto owner = std::make_shared<const cv::Mat>(std::move(gray));
   return {ImageView{owner, owner->data, owner->cols, owner->rows, static_cast<int>(owner->step[0]),
                     stamp_ns},
@@ -77,12 +77,12 @@ ImageSource openFolder(const SourceOptions& options) {
   ImageSource source;
   source.name = options.path;
   source.count = range.end - range.begin;
-  source.next = [files, rate, range, index = range.begin]() mutable -> std::optional<SourceImage> {
+  source.next = [files, rate, range, index = range.begin]() mutable -> std::optional<GrayImage> {
     if (index >= range.end) return std::nullopt;
     const fs::path& file = (*files)[static_cast<std::size_t>(index)];
     cv::Mat gray = cv::imread(file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
     const std::int64_t stamp_ns = stampOf(index++, rate);
-    if (gray.empty()) return SourceImage{std::nullopt, file.string() + " is no readable image"};
+    if (gray.empty()) return GrayImage{std::nullopt, file.string() + " is no readable image"};
     return imageOf(std::move(gray), stamp_ns);
   };
   return source;
@@ -111,7 +111,7 @@ ImageSource openVideo(const SourceOptions& options) {
   const std::int64_t begin = indexRange(options, rate, INT64_MAX).begin;
   const std::int64_t end = indexRange(options, rate, INT64_MAX).end;
   source.next = [video, rate, begin, end, to_the_end,
-                 index = std::int64_t{0}]() mutable -> std::optional<SourceImage> {
+                 index = std::int64_t{0}]() mutable -> std::optional<GrayImage> {
     cv::Mat frame;
     do {
       if ((!to_the_end && index >= end) || !video->read(frame)) return std::nullopt;

@@ -8,10 +8,10 @@
 
 namespace camera_self_calibration {
 
-/// Runs the inline pipeline over a sequence, with progress on a terminal. Images that cannot be
-/// read, of another size than the first or not later than the one before are left out with a
-/// warning on standard error. Throws std::runtime_error if images are there and none can be used,
-/// or the start values are for another image size, and std::invalid_argument on bad options.
+/// Runs the inline pipeline over a sequence, with progress on a terminal. Images that
+/// InputMonitor rejects are left out with a warning on standard error. Throws std::runtime_error if
+/// images are there and none can be used, or the start values are for another image size, and
+/// std::invalid_argument on bad options.
 Recording calibrate(ImageSource* source, const Options& options);
 
 }  // namespace camera_self_calibration

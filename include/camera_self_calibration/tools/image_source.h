@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "camera_self_calibration/tracking/image_view.h"
+#include "camera_self_calibration/ros/gray_image.h"
 
 namespace camera_self_calibration {
 
@@ -18,17 +18,11 @@ struct SourceOptions {
   double duration_seconds = 0.0;  ///< 0: to the end.
 };
 
-/// One image, or why it could not be read.
-struct SourceImage {
-  std::optional<ImageView> view;
-  std::string error;
-};
-
 /// A stored sequence of images, read one after the other.
 struct ImageSource {
-  std::function<std::optional<SourceImage>()> next;  ///< Nothing at the end.
-  std::int64_t count = 0;                            ///< Images to come; for progress.
-  std::string name;                                  ///< Topic, folder or file.
+  std::function<std::optional<GrayImage>()> next;  ///< Nothing at the end.
+  std::int64_t count = 0;                          ///< Images to come; for progress.
+  std::string name;                                ///< Topic, folder or file.
 };
 
 /// Opens a folder (a directory), a bag (*.bag) or else a video. Throws std::runtime_error that says
