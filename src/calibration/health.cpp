@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
 
 namespace camera_self_calibration {
@@ -52,8 +53,7 @@ std::string toString(CalibrationState state) {
 }
 
 std::string weakestDirection(const IntrinsicsMatrix& information, const Camera& camera) {
-  Intrinsics scale = information.diagonal().cwiseMax(0.0).cwiseSqrt();
-  for (double& s : scale) s = s > 0.0 ? 1.0 / s : 0.0;
+  const Intrinsics scale = information.diagonal().unaryExpr(&inverseRoot);
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
   if (scaled.size() == 0 || !scaled.allFinite()) return "all parameters";
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);

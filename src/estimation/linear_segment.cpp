@@ -342,8 +342,7 @@ SegmentStep LinearSegment::backSubstitute(const Intrinsics& intrinsics_step) con
 Eigen::MatrixXd inverseFactor(const Eigen::MatrixXd& matrix, double rank_tolerance) {
   const Eigen::Index n = matrix.rows();
   if (n == 0) return Eigen::MatrixXd(0, 0);
-  Eigen::VectorXd scale = matrix.diagonal().cwiseMax(0.0).cwiseSqrt();
-  for (double& s : scale) s = s > 0.0 ? 1.0 / s : 0.0;
+  const Eigen::VectorXd scale = matrix.diagonal().unaryExpr(&inverseRoot);
   const Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
   const Eigen::LLT<Eigen::MatrixXd> cholesky(scaled);
   // Squared pivots bound the eigenvalues from above; a margin keeps nearly singular systems out.

@@ -69,9 +69,7 @@ std::optional<IntrinsicsMatrix> Marginal::robustCovariance() const {
 namespace {
 
 Intrinsics unitDiagonalScale(const IntrinsicsMatrix& information) {
-  Intrinsics scale = information.diagonal();
-  for (double& s : scale) s = s > 0.0 ? 1.0 / std::sqrt(s) : 0.0;
-  return scale;
+  return information.diagonal().unaryExpr(&inverseRoot);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
@@ -113,6 +114,9 @@ class LinearSegment {
   std::vector<RayIntrinsicsJacobian> ray_jacobians_;
   std::vector<char> ray_valid_;
 };
+
+/// 1 / sqrt(value), or 0 for what is not positive: scales a matrix to a unit diagonal.
+inline double inverseRoot(double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 0.0; }
 
 /// F with `F F^T` the pseudo-inverse of a symmetric positive semi-definite matrix (lower triangle
 /// used): triangular where its Cholesky factorisation is sound, else from the eigenvectors above
