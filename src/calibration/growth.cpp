@@ -102,8 +102,8 @@ double growByKeyframe(int k, bool free_intrinsics, double max_inverse_depth_rati
                       Camera* camera) {
   auto& keyframes = segment->keyframes;
   keyframes[k].world_from_camera = keyframes[k - 1].world_from_camera;
-  const PoseEstimate pose = solvePose(*camera, viewsOf(*segment, k, *camera),
-                                      keyframes[k].world_from_camera, kHuber, 20);
+  const PoseEstimate pose =
+      solvePose(*camera, viewsOf(*segment, k, *camera), keyframes[k].world_from_camera, kHuber, 20);
   keyframes[k].world_from_camera = pose.world_from_camera;
   const double depth = medianDepthAt(*segment, k, *camera);
   for (Landmark& landmark : segment->landmarks) {
@@ -119,8 +119,8 @@ double growByKeyframe(int k, bool free_intrinsics, double max_inverse_depth_rati
   options.step_tolerance = 1e-2;
   options.cost_tolerance = 1e-4;
   Problem problem{camera, free_intrinsics, {freeBlock(&prefix, *camera)}};
-  // Far from the solution all residuals are large: the sigma follows them, so that the robust weight
-  // still tells outliers from the rest.
+  // Far from the solution all residuals are large: the sigma follows them, so that the robust
+  // weight still tells outliers from the rest.
   SegmentBlock& block = problem.blocks.front();
   block.sigma_scale = std::max(1.0, medianResidualScale(block, *camera));
   solve(problem, options);

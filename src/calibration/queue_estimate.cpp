@@ -49,8 +49,7 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
   if (const auto covariance = marginal.robustCovariance()) {
     solution.covariance = variance * *covariance;
   }
-  solution.usable =
-      summary.usable && solution.camera.valid() && solution.covariance.size() > 0;
+  solution.usable = summary.usable && solution.camera.valid() && solution.covariance.size() > 0;
   return solution;
 }
 

@@ -31,7 +31,8 @@ struct Rival {
 Rival overlappingRival(const std::vector<const SegmentScore*>& overlapping, const Camera& camera) {
   Rival rival;
   if (overlapping.size() == 1) {
-    return {overlapping.front()->entropy, {overlapping.front()->sequence},
+    return {overlapping.front()->entropy,
+            {overlapping.front()->sequence},
             "the segment that it overlaps"};
   }
   rival.name = "the segments that it overlaps, together";

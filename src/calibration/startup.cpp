@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 
 #include "camera_self_calibration/calibration/growth.h"
 #include "camera_self_calibration/calibration/segment_fit.h"
@@ -16,6 +17,9 @@ namespace {
 
 // Other guesses are tried after so many keyframes, and again each time there are 3/2 as many.
 constexpr int kFirstRetry = 6;
+constexpr int kRetryKeyframes = 12;    // at most, in the comparison of guesses
+constexpr double kClearlyLess = 0.98;  // of a cost: another minimum, not the same one again
+constexpr double kHuber = 2.0;
 
 std::vector<Camera> otherGuesses(const Camera& initial) {
   std::vector<Camera> guesses;
@@ -132,19 +136,30 @@ void Startup::add(const Segment& segment) {
 
 void Startup::tryOtherGuesses(const Segment& segment) {
   next_retry_ = next_retry_ * 3 / 2;
-  SegmentBlock block = freeBlock(&segment_, camera_);
-  double best = usable_ ? robustCost(block, camera_, 2.0) : std::numeric_limits<double>::infinity();
-  bool changed = false;
+  // Compared over the first keyframes, whatever the length of the batch: bounded time.
+  const int keyframes = std::min(kRetryKeyframes, static_cast<int>(segment.keyframes.size()));
+  std::vector<int> landmark_index;
+  const Segment start = prefixOf(segment, keyframes, 1, &landmark_index);
+  Segment present = prefixOf(segment_, keyframes, 1, &landmark_index);
+  double best = usable_ ? robustCost(freeBlock(&present, camera_), camera_, kHuber)
+                        : std::numeric_limits<double>::infinity();
+  std::optional<Camera> better;
   for (Camera guess : otherGuesses(initial_)) {
-    Segment trial = segment;
+    Segment trial = start;
     const double cost = bootstrap(options_, &trial, &guess);
-    if (!(cost < 0.98 * best)) continue;
+    if (!(cost < kClearlyLess * best)) continue;
     best = cost;
-    segment_ = trial;
-    camera_ = guess;
-    changed = true;
+    present = trial;
+    better = guess;
   }
-  if (changed) judge();
+  if (!better) return;
+  camera_ = *better;
+  segment_ = segment;
+  adoptPrefix(present, landmark_index, &segment_);
+  for (int k = keyframes; k < static_cast<int>(segment.keyframes.size()); ++k) {
+    growByKeyframe(k, true, options_.max_inverse_depth_ratio, &segment_, &camera_);
+  }
+  judge();
 }
 
 void Startup::judge() {
@@ -152,14 +167,16 @@ void Startup::judge() {
   if (static_cast<int>(segment_.keyframes.size()) < options_.free_after_keyframes) return;
   Segment gated = segment_;
   Camera camera = camera_;
-  const SegmentFit fit = fitSegment(SegmentFitOptions(), &gated, &camera);
+  SegmentFitOptions options;
+  options.max_iterations = 10;  // from the solution of one keyframe ago
+  const SegmentFit fit = fitSegment(options, &gated, &camera);
   if (!fit.usable || !camera.valid()) return;
   camera_ = camera;
   residual_scale_ = fit.residual_scale;
   const double scale = fit.marginal.sigmaScale();
   information_ = fit.marginal.information / (scale * scale);
   usable_ = true;
-  considerK3(gated, fit.marginal);
+  if (fit.unexplained_sigma > 0.0) considerK3(gated);
   // The gated solution is the better one; tracks that did not fit stay with their old depth, since
   // they may fit later.
   std::map<std::int64_t, const Landmark*> solved;
@@ -171,25 +188,30 @@ void Startup::judge() {
   }
 }
 
-void Startup::considerK3(const Segment& gated, const Marginal& marginal) {
+void Startup::considerK3(const Segment& gated) {
   if (camera_.model() != CameraModel::kRadtan ||
       camera_.estimatedCount() > Camera::parameterCount(CameraModel::kRadtan) ||
       static_cast<int>(gated.keyframes.size()) < kFirstRetry) {
     return;
   }
-  Segment trial = gated;
+  // Both from the same state with the same observations, sigmas and effort, so that costs compare.
+  SegmentFitOptions options;
+  options.gating_rounds = 0;
+  options.max_iterations = 40;
+  Segment without_segment = gated;
+  Camera without_camera = camera_;
+  const SegmentFit without = fitSegment(options, &without_segment, &without_camera);
   Camera camera = camera_;
   camera.setEstimateK3(true);
-  SegmentFitOptions options;
-  options.gating_rounds = 0;  // the same observations and sigmas, so that the costs compare
-  const SegmentFit fit = fitSegment(options, &trial, &camera);
-  if (!fit.usable || !camera.valid()) return;
-  const double ratio =
-      2.0 * (marginal.cost - fit.marginal.cost) / std::max(1.0, marginal.designEffect());
+  Segment with_segment = gated;
+  const SegmentFit with = fitSegment(options, &with_segment, &camera);
+  if (!without.usable || !with.usable || !camera.valid()) return;
+  const double ratio = 2.0 * (without.marginal.cost - with.marginal.cost) /
+                       std::max(1.0, without.marginal.designEffect());
   if (ratio < options_.k3_likelihood_ratio) return;
   camera_ = camera;
-  const double scale = fit.marginal.sigmaScale();
-  information_ = fit.marginal.information / (scale * scale);
+  const double scale = with.marginal.sigmaScale();
+  information_ = with.marginal.information / (scale * scale);
 }
 
 }  // namespace camera_self_calibration

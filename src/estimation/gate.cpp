@@ -15,8 +15,7 @@ std::vector<double> squaredResiduals(const SegmentBlock& block, const Camera& ca
   const Segment& segment = *block.segment;
   std::vector<PoseMatrices> poses;
   for (const Keyframe& keyframe : segment.keyframes) poses.emplace_back(keyframe.world_from_camera);
-  std::vector<double> squares(segment.observations.size(),
-                              std::numeric_limits<double>::infinity());
+  std::vector<double> squares(segment.observations.size(), std::numeric_limits<double>::infinity());
   for (std::size_t o = 0; o < squares.size(); ++o) {
     const Observation& observation = segment.observations[o];
     const Landmark& landmark = segment.landmarks[observation.landmark];

@@ -110,8 +110,8 @@ void LinearSegment::resize(const SegmentBlock& block, int intrinsics_count) {
   cost_ = 0.0;
 }
 
-// Landmarks of one reference keyframe follow each other in a segment and are seen from much the same
-// keyframes: long segments stay cheap when each group touches these alone.
+// Landmarks of one reference keyframe follow each other in a segment and are seen from much the
+// same keyframes: long segments stay cheap when each group touches these alone.
 void LinearSegment::groupLandmarks(const SegmentBlock& block) {
   const Segment& segment = *block.segment;
   std::vector<int> last(segment.landmarks.size(), -1);  // keyframe
@@ -315,11 +315,11 @@ IntrinsicsMatrix LinearSegment::trackScores() const {
   for (std::size_t l = 0; l < rows_.size(); ++l) {
     const auto coupling = whitened_coupling_.middleRows(rows_[l].row, rows_[l].count);
     const auto gradient = whitened_gradient_.segment(rows_[l].row, rows_[l].count);
-    const Eigen::VectorXd x = track_gradients_.col(static_cast<Eigen::Index>(l)) -
-                              coupling.transpose() * gradient;
-    const Intrinsics score = x.tail(intrinsics_count_) -
-                             pose_coupling_.transpose() *
-                                 (pose_factor_.transpose() * x.head(pose_columns_));
+    const Eigen::VectorXd x =
+        track_gradients_.col(static_cast<Eigen::Index>(l)) - coupling.transpose() * gradient;
+    const Intrinsics score =
+        x.tail(intrinsics_count_) -
+        pose_coupling_.transpose() * (pose_factor_.transpose() * x.head(pose_columns_));
     sum += score * score.transpose();
   }
   return sum;
@@ -375,9 +375,8 @@ double robustCost(const SegmentBlock& block, const Camera& camera, double huber)
     }
     const double sigma = observation.sigma * block.sigma_scale;
     Eigen::Vector2d prediction;
-    if (ray_valid &&
-        predictPixel(camera, poses[landmark.reference], poses[observation.keyframe], ray,
-                     landmark.inverse_depth, false, &prediction, nullptr)) {
+    if (ray_valid && predictPixel(camera, poses[landmark.reference], poses[observation.keyframe],
+                                  ray, landmark.inverse_depth, false, &prediction, nullptr)) {
       cost += huberCost((observation.pixel - prediction).norm() / sigma, huber);
     } else {
       cost += unpredictableCost(sigma, huber);

@@ -58,12 +58,11 @@ void poseEquations(const Camera& camera, const Rigid3& world_from_camera,
 }
 
 Rigid3 moved(const Rigid3& pose, const Vector6d& step) {
-  return {(pose.rotation * expSo3(step.tail<3>())).normalized(),
-          pose.translation + step.head<3>()};
+  return {(pose.rotation * expSo3(step.tail<3>())).normalized(), pose.translation + step.head<3>()};
 }
 
 void countInliers(const Camera& camera, const std::vector<PointView>& views,
-                   PoseEstimate* estimate) {
+                  PoseEstimate* estimate) {
   const PoseMatrices pose(estimate->world_from_camera);
   std::vector<double> norms(views.size(), 1e9);
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -114,8 +113,8 @@ PoseEstimate solvePose(const Camera& camera, const std::vector<PointView>& views
   poseEquations(camera, estimate.world_from_camera, views, huber, &hessian, &gradient);
   const Eigen::LDLT<Matrix66d> factor(hessian);
   if (factor.info() == Eigen::Success && factor.vectorD().minCoeff() > 0.0) {
-    estimate.covariance = estimate.residual_scale * estimate.residual_scale *
-                          factor.solve(Matrix66d::Identity());
+    estimate.covariance =
+        estimate.residual_scale * estimate.residual_scale * factor.solve(Matrix66d::Identity());
     estimate.usable = estimate.covariance.allFinite();
   }
   return estimate;

@@ -80,8 +80,7 @@ void BackEnd::clearQueue() {
 }
 
 void BackEnd::offerCandidate(const KeyframeMessage& message) {
-  Candidate candidate =
-      evaluateCandidate(CandidateOptions(), message.candidate, report_.camera);
+  Candidate candidate = evaluateCandidate(CandidateOptions(), message.candidate, report_.camera);
   SegmentScore score;
   score.sequence = candidate.segment.sequence;
   score.begin_ns = candidate.segment.beginNs();
@@ -129,9 +128,10 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
     return;
   }
   if (solution_.inflation > kMaxInflation) {
-    obstacle_ = format("the stretches disagree by %.1f times their uncertainty, at most %.1f is "
-                       "believed",
-                       solution_.inflation, kMaxInflation);
+    obstacle_ = format(
+        "the stretches disagree by %.1f times their uncertainty, at most %.1f is "
+        "believed",
+        solution_.inflation, kMaxInflation);
     return;
   }
   const double queue_entropy = entropy(solution_.camera, solution_.covariance);

@@ -15,16 +15,17 @@ SlidingWindowOptions windowOptions(const Options& options) {
   window.active_keyframes = options.sliding_window_keyframes;
   window.conditioning_keyframes = options.sliding_window_keyframes;
   window.exact_references = options.exact_references;
-  window.map_keyframes =
-      std::max({options.startup_keyframes, options.segment_keyframes,
-                window.active_keyframes + window.conditioning_keyframes});
+  window.map_keyframes = std::max({options.startup_keyframes, options.segment_keyframes,
+                                   window.active_keyframes + window.conditioning_keyframes});
   return window;
 }
 
 }  // namespace
 
 FrontEnd::FrontEnd(const Options& options, const Camera& camera)
-    : options_(options), window_(windowOptions(options), camera), keyframe_rule_(options.keyframe) {}
+    : options_(options),
+      window_(windowOptions(options), camera),
+      keyframe_rule_(options.keyframe) {}
 
 void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;
@@ -48,8 +49,7 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& frame,
   output.result.stamp_ns = frame.stamp_ns;
   locate(frame, &output);
   const bool first = window_.map().keyframes().empty();
-  if (!output.restart_tracking &&
-      (first || keyframe_rule_.isKeyframe(frame, window_.camera()))) {
+  if (!output.restart_tracking && (first || keyframe_rule_.isKeyframe(frame, window_.camera()))) {
     makeKeyframe(frame, detect(), &output);
   }
   output.result.state = state_;

@@ -10,14 +10,14 @@ namespace camera_self_calibration {
 
 /// What one stretch of the trajectory, by itself, tells of the intrinsics.
 struct Candidate {
-  Segment segment;        ///< Solved, outliers removed.
-  Camera camera;          ///< Its own estimate.
-  double sigma_scale = 1.0;       ///< By which its observations' sigmas were multiplied.
-  IntrinsicsMatrix information;   ///< Marginal, with the scaled sigmas; n_c x n_c.
-  double cost = 0.0;              ///< Robust, at its own optimum, with the scaled sigmas.
-  double entropy = 0.0;           ///< Normalised [nats].
-  PixelError uncertainty;         ///< [px]
-  double residual_scale = 1.0;    ///< Against the tracker's own sigma.
+  Segment segment;               ///< Solved, outliers removed.
+  Camera camera;                 ///< Its own estimate.
+  double sigma_scale = 1.0;      ///< By which its observations' sigmas were multiplied.
+  IntrinsicsMatrix information;  ///< Marginal, with the scaled sigmas; n_c x n_c.
+  double cost = 0.0;             ///< Robust, at its own optimum, with the scaled sigmas.
+  double entropy = 0.0;          ///< Normalised [nats].
+  PixelError uncertainty;        ///< [px]
+  double residual_scale = 1.0;   ///< Against the tracker's own sigma.
   bool well_posed = false;
   std::string reason;  ///< Why it is not well posed, for people.
 };
@@ -29,7 +29,7 @@ struct CandidateOptions {
   /// rms over image width, above which it is ill posed. Without any information (a still camera,
   /// translation alone) noise in the estimated motion feigns 0.035 to 0.2, whatever its size.
   double max_pixel_uncertainty_share = 0.03;
-  double max_residual_scale = 6.0;      ///< Against the tracker's own sigma.
+  double max_residual_scale = 6.0;  ///< Against the tracker's own sigma.
 };
 
 /// Scores a segment (section II-B): intrinsics, poses and landmarks are estimated from it alone,

@@ -16,9 +16,9 @@ Segment prefixOf(const Segment& segment, int keyframes, int min_views,
 /// Takes poses and landmarks of a prefix back into the whole segment.
 void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, Segment* segment);
 
-/// One step of growing a solution: keyframe `k` starts at the pose of the one before, landmarks that
-/// appear there at the median depth; its pose is solved alone, then all keyframes up to it jointly,
-/// the intrinsics among them if `free_intrinsics`. Depths that run away (not positive, or
+/// One step of growing a solution: keyframe `k` starts at the pose of the one before, landmarks
+/// that appear there at the median depth; its pose is solved alone, then all keyframes up to it
+/// jointly, the intrinsics among them if `free_intrinsics`. Depths that run away (not positive, or
 /// `max_inverse_depth_ratio` times the median) start over. Returns the robust cost.
 double growByKeyframe(int k, bool free_intrinsics, double max_inverse_depth_ratio, Segment* segment,
                       Camera* camera);

@@ -26,9 +26,9 @@ struct QueueDecision {
 };
 
 /// The priority queue of the best segments (section II-B). A candidate is better when
-/// `h_c < h - n_c ln(1/alpha)`: its geometric-mean sigma is smaller by the share 1 - alpha, whatever
-/// the sign of the entropies. It is compared with the worst segment; or, if it overlaps some,
-/// with these alone: with their joint entropy if several, and then replaces all of them.
+/// `h_c < h - n_c ln(1/alpha)`: its geometric-mean sigma is smaller by the share 1 - alpha,
+/// whatever the sign of the entropies. It is compared with the worst segment; or, if it overlaps
+/// some, with these alone: with their joint entropy if several, and then replaces all of them.
 class SegmentQueue {
  public:
   /// `capacity` >= 1 segments, alpha in (0, 1).

@@ -15,8 +15,8 @@ namespace camera_self_calibration {
 struct SlidingWindowOptions {
   int active_keyframes = 10;
   int conditioning_keyframes = 10;
-  int map_keyframes = 40;             ///< Kept in all, at least active + conditioning.
-  bool exact_references = false;      ///< See Map.
+  int map_keyframes = 40;                   ///< Kept in all, at least active + conditioning.
+  bool exact_references = false;            ///< See Map.
   double max_generation_distance_px = 0.5;  ///< Between intrinsics, for conditioning keyframes.
   double gross_residual_share = 1.5 / 640;  ///< Of the image width: smaller residuals end no track.
 };
@@ -28,10 +28,11 @@ class SlidingWindow {
  public:
   SlidingWindow(const SlidingWindowOptions& options, const Camera& camera);
 
-  /// Adopts a new estimate of the intrinsics: re-solves the active window unconditioned, keeping the
-  /// newest pose and the median depth there, so that neither pose nor scale jumps. Keyframes before
-  /// it whose intrinsics differ by more than the option's distance condition no more. Only intrinsics
-  /// that are `trusted` end tracks that do not fit: under wrong ones good tracks do not fit either.
+  /// Adopts a new estimate of the intrinsics: re-solves the active window unconditioned, keeping
+  /// the newest pose and the median depth there, so that neither pose nor scale jumps. Keyframes
+  /// before it whose intrinsics differ by more than the option's distance condition no more. Only
+  /// intrinsics that are `trusted` end tracks that do not fit: under wrong ones good tracks do not
+  /// fit either.
   void adopt(const Camera& camera, std::uint64_t generation, bool trusted);
 
   const Camera& camera() const { return camera_; }
@@ -46,8 +47,8 @@ class SlidingWindow {
   PoseEstimate localize(const TrackedFrame& frame, const Rigid3& guess) const;
 
   /// Adds a keyframe (its pose a first guess; generation is set here), with the frame's tracks and
-  /// those that start in it, and solves the window. Returns the tracks that do not fit; they are out
-  /// of the map.
+  /// those that start in it, and solves the window. Returns the tracks that do not fit; they are
+  /// out of the map.
   std::vector<std::int64_t> addKeyframe(Keyframe keyframe, const std::vector<Track>& tracks);
 
   /// Newest keyframe's pose; identity without any.

@@ -11,17 +11,17 @@ namespace camera_self_calibration {
 
 struct StartupOptions {
   int free_after_keyframes = 4;  ///< From so many keyframes on the intrinsics are estimated.
-  double retry_cost = 1.3;       ///< Robust cost per degree of freedom above which others are tried.
+  double retry_cost = 1.3;  ///< Robust cost per degree of freedom above which others are tried.
   /// Likelihood ratio (chi-square, 1 degree of freedom) above which radtan's k3 is estimated too.
-  double k3_likelihood_ratio = 30.0;
+  double k3_likelihood_ratio = 40.0;
   double max_inverse_depth_ratio = 20.0;  ///< To the median; beyond, a depth starts over.
 };
 
 /// The batch solution from no knowledge (section II-C): all keyframes so far (up to what it is
 /// given), all landmarks and the intrinsics, grown keyframe by keyframe so that each solve starts
 /// near. Where the result does not fit the tracker's sigma, a small grid of other first guesses is
-/// tried from the beginning. radtan starts with four distortion coefficients; k3 joins them when the
-/// observations demand it.
+/// tried from the beginning. radtan starts with four distortion coefficients; k3 joins them when
+/// the observations demand it.
 class Startup {
  public:
   Startup(const StartupOptions& options, const Camera& initial);
@@ -45,7 +45,7 @@ class Startup {
   void keepKnown(Segment* segment) const;
   void tryOtherGuesses(const Segment& segment);
   void judge();
-  void considerK3(const Segment& gated, const Marginal& marginal);
+  void considerK3(const Segment& gated);
 
   StartupOptions options_;
   Camera initial_;

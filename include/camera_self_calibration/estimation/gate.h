@@ -7,11 +7,11 @@
 
 namespace camera_self_calibration {
 
-/// Which tracks do not fit: per landmark, the sum of the squared whitened residuals against twice the
-/// chi-square quantile of its degrees of freedom (2 per observation, less its own parameters; twice,
-/// because errors along a track are correlated), and every single residual against that of 2, at a
-/// hundredth of the probability; sigmas multiplied by the block's scale. Landmarks that cannot be
-/// predicted do not fit either. Returns indices into the segment's landmarks.
+/// Which tracks do not fit: per landmark, the sum of the squared whitened residuals against twice
+/// the chi-square quantile of its degrees of freedom (2 per observation, less its own parameters;
+/// twice, because errors along a track are correlated), and every single residual against that of
+/// 2, at a hundredth of the probability; sigmas multiplied by the block's scale. Landmarks that
+/// cannot be predicted do not fit either. Returns indices into the segment's landmarks.
 std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
                          double exceed_probability = 1e-3);
 
@@ -24,9 +24,9 @@ std::vector<int> grossMisfits(const SegmentBlock& block, const Camera& camera, d
 /// of blocks made before no longer holds.
 void removeLandmarks(const std::vector<int>& landmarks, Segment* segment);
 
-/// The error per axis [px] that the observations' own sigmas leave out, such as that of the lens model
-/// or of blur: the f for which the median of the squared residuals, each over sigma^2 + f^2, is what
-/// it should be, the loss of degrees of freedom accounted for. 0 where the sigmas suffice.
+/// The error per axis [px] that the observations' own sigmas leave out, such as that of the lens
+/// model or of blur: the f for which the median of the squared residuals, each over sigma^2 + f^2,
+/// is what it should be, the loss of degrees of freedom accounted for. 0 where the sigmas suffice.
 double unexplainedSigma(const SegmentBlock& block, const Camera& camera);
 
 /// Robust residual scale of a segment's fit: median of the squared whitened residuals over its

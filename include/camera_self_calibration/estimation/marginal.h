@@ -26,7 +26,8 @@ struct Marginal {
   double designEffect() const;
 
   /// By how much the sigmas have to grow to explain the residuals, and what is correlated along
-  /// tracks: the root of the larger of the squared residual scale and the design effect; at least 1.
+  /// tracks: the root of the larger of the squared residual scale and the design effect; at
+  /// least 1.
   double sigmaScale() const;
 
   /// `I^-1 M I^-1` with I the information and M the track scores: the covariance of the estimate
@@ -38,8 +39,8 @@ struct Marginal {
 /// One fresh undamped linearisation (eqs. 4, 5).
 Marginal marginalize(const Problem& problem, double huber, int threads = 1);
 
-/// Eigenvalues of an information matrix scaled to a unit diagonal, in increasing order: the smallest
-/// tells how well conditioned the estimate is, whatever the parameters' units.
+/// Eigenvalues of an information matrix scaled to a unit diagonal, in increasing order: the
+/// smallest tells how well conditioned the estimate is, whatever the parameters' units.
 Intrinsics scaledEigenvalues(const IntrinsicsMatrix& information);
 
 /// Inverse of an information matrix; nothing where its smallest scaled eigenvalue is below

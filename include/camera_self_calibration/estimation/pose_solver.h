@@ -23,7 +23,7 @@ struct PoseEstimate {
   Rigid3 world_from_camera;
   /// Of (translation in the world, rotation in the camera), given the points and intrinsics.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
-  int inliers = 0;  ///< Views within 3.5 scaled sigma, or 1 px.
+  int inliers = 0;              ///< Views within 3.5 scaled sigma, or 1 px.
   double residual_scale = 1.0;  ///< Robust, of the inliers' whitened residuals.
 };
 

@@ -17,8 +17,8 @@ namespace camera_self_calibration {
 /// depends on the intrinsics but the poses and depths themselves.
 class Map {
  public:
-  /// `exact_references`: a landmark's ray is that of the pixel in which its track was detected, as in
-  /// eq. 1. Otherwise that pixel is a measurement like the others, and the ray is estimated: the
+  /// `exact_references`: a landmark's ray is that of the pixel in which its track was detected, as
+  /// in eq. 1. Otherwise that pixel is a measurement like the others, and the ray is estimated: the
   /// patch that all others are registered against has an error of its own, which they share.
   explicit Map(int max_keyframes, bool exact_references = false)
       : max_keyframes_(max_keyframes), exact_references_(exact_references) {}
@@ -29,7 +29,7 @@ class Map {
     double sigma = 1.0;  ///< [px]; 0 for the reference pixel, which is exact.
   };
   struct Point {
-    std::int64_t reference_id = 0;    ///< Keyframe in which the track was detected.
+    std::int64_t reference_id = 0;  ///< Keyframe in which the track was detected.
     Eigen::Vector2d reference_pixel = Eigen::Vector2d::Zero();
     std::int64_t anchor_id = 0;       ///< Keyframe that inverse_depth refers to.
     double inverse_depth = 1.0;       ///< [1/map unit]
@@ -38,7 +38,8 @@ class Map {
 
   /// Adds a keyframe with an id greater than all before. Tracks not seen before start a landmark
   /// (detected in this keyframe if pixel == reference_pixel) at `new_inverse_depth`. The oldest
-  /// keyframe goes when there are too many; depths that referred to it move on to the next sighting.
+  /// keyframe goes when there are too many; depths that referred to it move on to the next
+  /// sighting.
   void addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks,
                    double new_inverse_depth, const Camera& camera);
 
@@ -51,8 +52,8 @@ class Map {
   /// Null if unknown.
   const Keyframe* keyframe(std::int64_t id) const;
 
-  /// The keyframes from index `first` on as a segment of their own: landmarks detected before it are
-  /// inherited. Landmarks with fewer than two sightings in it are left out.
+  /// The keyframes from index `first` on as a segment of their own: landmarks detected before it
+  /// are inherited. Landmarks with fewer than two sightings in it are left out.
   Segment segmentFrom(int first, const Camera& camera) const;
 
   /// The last `count` keyframes.

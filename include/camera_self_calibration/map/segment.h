@@ -15,7 +15,7 @@ struct Keyframe {
   /// Motion of the camera from its neighbouring frames: se(3) twist per second, in the camera frame
   /// [map unit/s, rad/s].
   Vector6d velocity = Vector6d::Zero();
-  double row_time_s = 0.0;  ///< Between image rows; 0 for a global shutter [s].
+  double row_time_s = 0.0;                   ///< Between image rows; 0 for a global shutter [s].
   std::uint64_t calibration_generation = 0;  ///< Of the intrinsics its pose was estimated with.
 };
 

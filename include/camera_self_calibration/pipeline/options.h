@@ -26,14 +26,14 @@ struct Options {
   /// Landmarks on the exact ray of their reference pixel (eq. 1), instead of counting that pixel as
   /// one measurement among others.
   bool exact_references = false;
-  int startup_keyframes = 30;         ///< At most, in the startup batch.
-  double alpha = 0.95;                ///< Update rule of the queue, in (0, 1) (section II-B).
+  int startup_keyframes = 30;  ///< At most, in the startup batch.
+  double alpha = 0.95;         ///< Update rule of the queue, in (0, 1) (section II-B).
   /// Hand-over from the startup batch also below this normalised entropy [nats]; -infinity: only by
   /// pixel uncertainty.
   double handover_entropy = -std::numeric_limits<double>::infinity();
-  double converged_pixel_rms = 0.0;   ///< CONVERGED below this [px]; 0: 1 px per 640 px of width.
-  int solver_threads = 1;             ///< For the segments of a joint solve; result independent.
-  int max_queued_images = 2;          ///< Live: images waiting before the oldest is dropped.
+  double converged_pixel_rms = 0.0;  ///< CONVERGED below this [px]; 0: 1 px per 640 px of width.
+  int solver_threads = 1;            ///< For the segments of a joint solve; result independent.
+  int max_queued_images = 2;         ///< Live: images waiting before the oldest is dropped.
 
   /// rms uncertainty that counts as converged for an image of this width [px].
   double convergedRms(int width) const;

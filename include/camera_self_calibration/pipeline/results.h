@@ -26,14 +26,14 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 struct FrameResult {
   std::int64_t stamp_ns = 0;  ///< Of the image.
   TrackingState state = TrackingState::kInitializing;
-  std::string sentence;     ///< The state in words, with what would help.
+  std::string sentence;      ///< The state in words, with what would help.
   std::uint64_t map_id = 0;  ///< Poses of different maps have different frames and scales.
   /// Map units: the scale is arbitrary. Axes of the optical frame (REP 103).
   Rigid3 world_from_camera;
   /// Of a perturbation (translation in the world [map unit], rotation in the camera [rad]).
   Matrix6d pose_covariance = Matrix6d::Zero();
   bool is_keyframe = false;
-  std::int64_t keyframe_id = -1;          ///< If is_keyframe.
+  std::int64_t keyframe_id = -1;           ///< If is_keyframe.
   std::uint64_t calibration_revision = 0;  ///< Of the intrinsics used.
   TrackedFrame tracks;
   double processing_seconds = 0.0;
@@ -52,7 +52,7 @@ struct SegmentReport {
 
 struct QueueReport {
   std::vector<SegmentReport> segments;
-  int swaps = 0;              ///< Changes of the queue since the start, the first fillings too.
+  int swaps = 0;  ///< Changes of the queue since the start, the first fillings too.
   bool last_accepted = false;
   std::string last_decision;  ///< What became of the newest candidate, and why.
 };
@@ -64,13 +64,13 @@ struct CalibrationReport {
   std::string sentence;  ///< The state in words.
   std::string hint;      ///< Which motion would help; empty if none is needed.
   Camera camera;
-  IntrinsicsMatrix covariance;      ///< n_c x n_c; empty until there is an estimate.
-  PixelError uncertainty;           ///< [px]; infinite until there is an estimate.
-  double entropy = 0.0;             ///< Of the estimate, normalised as the segments' [nats].
-  std::uint64_t revision = 0;       ///< Grows with each new estimate.
-  std::uint64_t epoch = 0;          ///< Grows with each change of the physical camera.
-  bool handed_over = false;         ///< From the startup batch to the queue.
-  std::int64_t keyframes = 0;       ///< Seen so far.
+  IntrinsicsMatrix covariance;  ///< n_c x n_c; empty until there is an estimate.
+  PixelError uncertainty;       ///< [px]; infinite until there is an estimate.
+  double entropy = 0.0;         ///< Of the estimate, normalised as the segments' [nats].
+  std::uint64_t revision = 0;   ///< Grows with each new estimate.
+  std::uint64_t epoch = 0;      ///< Grows with each change of the physical camera.
+  bool handed_over = false;     ///< From the startup batch to the queue.
+  std::int64_t keyframes = 0;   ///< Seen so far.
   QueueReport queue;
 };
 

@@ -31,8 +31,9 @@ class SelfCalibrator {
   ~SelfCalibrator();
 
   /// Threaded: false if an older image had to be dropped. The image stays alive by its owner.
-  /// A time that jumps back begins a new map. An empty image, or one of another size than the initial
-  /// camera's or else the first, is left out and raises EventType::kInput once; the calibration stays.
+  /// A time that jumps back begins a new map. An empty image, or one of another size than the
+  /// initial camera's or else the first, is left out and raises EventType::kInput once; the
+  /// calibration stays.
   bool process(const ImageView& image);
 
   /// The same with tracks from elsewhere (simulation). `detect` is called, inline only, when the
