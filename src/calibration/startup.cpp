@@ -177,16 +177,20 @@ void Startup::considerK3(const Segment& gated, const Marginal& marginal) {
       static_cast<int>(gated.keyframes.size()) < kFirstRetry) {
     return;
   }
-  Segment trial = gated;
-  Camera camera = camera_;
-  camera.setEstimateK3(true);
   SegmentFitOptions options;
   options.gating_rounds = 0;  // the same observations and sigmas, so that the costs compare
-  const SegmentFit fit = fitSegment(options, &trial, &camera);
-  if (!fit.usable || !camera.valid()) return;
-  const double ratio =
-      2.0 * (marginal.cost - fit.marginal.cost) / std::max(1.0, marginal.designEffect());
-  if (ratio < options_.k3_likelihood_ratio) return;
+  Segment with = gated;
+  Camera camera = camera_;
+  camera.setEstimateK3(true);
+  const SegmentFit fit = fitSegment(options, &with, &camera);
+  const double needed = options_.k3_likelihood_ratio * std::max(1.0, marginal.designEffect());
+  if (!fit.usable || !camera.valid() || 2.0 * (marginal.cost - fit.marginal.cost) < needed) return;
+  // The gain may be due to the further iterations alone: those without k3 get as many and more.
+  options.max_iterations *= 5;
+  Segment without = gated;
+  Camera held = camera_;
+  const SegmentFit plain = fitSegment(options, &without, &held);
+  if (plain.usable && 2.0 * (plain.marginal.cost - fit.marginal.cost) < needed) return;
   camera_ = camera;
   const double scale = fit.marginal.sigmaScale();
   information_ = fit.marginal.information / (scale * scale);
