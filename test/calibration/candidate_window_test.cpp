@@ -55,7 +55,8 @@ TEST(Candidate, ScalesItsCovarianceByTheResiduals) {
   const Candidate honest = evaluated(segmentOf(truth, MotionKind::kHandheld, 3), 3);
   const Candidate boastful = evaluated(segmentOf(truth, MotionKind::kHandheld, 3, 0.15), 3);
   EXPECT_NEAR(boastful.residual_scale, 2.0, 0.25);
-  EXPECT_EQ(boastful.sigma_scale, boastful.residual_scale);
+  EXPECT_NEAR(boastful.sigma_scale * boastful.segment.observations[0].sigma, 0.3, 0.06);
+  EXPECT_NEAR(honest.sigma_scale * honest.segment.observations[0].sigma, 0.3, 0.06);
   EXPECT_NEAR(boastful.entropy, honest.entropy, 0.5 * truth.estimatedCount() * 0.2);
   EXPECT_NEAR(boastful.uncertainty.rms / honest.uncertainty.rms, 1.0, 0.2);
 }

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <set>
+#include <cmath>
 
 #include "estimation/sample_segments.h"
 
@@ -105,6 +105,36 @@ TEST(RemoveLandmarks, KeepsTheOthersWhole) {
   removeLandmarks(all, &after);
   EXPECT_TRUE(after.landmarks.empty());
   EXPECT_TRUE(after.observations.empty());
+}
+
+TEST(UnexplainedSigma, IsWhatTheSigmasLeaveOut) {
+  double mean = 0.0;
+  constexpr int kTrials = 10;
+  for (std::uint64_t seed = 0; seed < kTrials; ++seed) {
+    SegmentOptions options;
+    options.camera = kCamera;
+    options.tracks.pixel_sigma = 0.5;
+    options.tracks.reported_sigma = 0.3;
+    SimulatedSegment made = makeSegment(options, seed);
+    // A third of the tracks say so themselves.
+    for (Observation& o : made.segment.observations) {
+      if (o.landmark % 3 == 0) o.sigma = 0.5;
+    }
+    SegmentBlock block = blockOf(&made.segment);
+    const double unexplained = unexplainedSigma(block, kCamera);
+    mean += unexplained / kTrials;
+    for (Observation& o : made.segment.observations) o.sigma = std::hypot(o.sigma, unexplained);
+    EXPECT_NEAR(medianResidualScale(block, kCamera), 1.0, 1e-3);
+    EXPECT_NEAR(unexplainedSigma(block, kCamera), 0.0, 0.02);  // added once, it is explained
+    for (Observation& o : made.segment.observations) o.sigma = 2.0;
+    EXPECT_EQ(unexplainedSigma(block, kCamera), 0.0);
+  }
+  // 0.4 px of two thirds; the correction for what a fit would absorb, which there was none of,
+  // makes it larger.
+  EXPECT_GT(mean, 0.3);
+  EXPECT_LT(mean, 0.6);
+  Segment empty;
+  EXPECT_EQ(unexplainedSigma(blockOf(&empty), kCamera), 0.0);
 }
 
 TEST(MedianResidualScale, IsTheNoiseOverTheSigma) {

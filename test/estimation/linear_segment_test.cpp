@@ -151,6 +151,35 @@ TEST_P(LinearSegmentTest, EliminationSolvesTheFullNormalEquations) {
   }
 }
 
+// Of each track by itself, with everything but the intrinsics projected out.
+TEST_P(LinearSegmentTest, TrackScoresAreThoseOfTheDenseSystem) {
+  if (count_ == 0) return;
+  const DenseProblem dense(block_, camera_, count_);
+  const Eigen::VectorXd roots = dense.rootWeights(GetParam().huber);
+  const Eigen::VectorXd residuals =
+      roots.cwiseProduct(dense.residuals(Eigen::VectorXd::Zero(dense.variables())));
+  const Eigen::MatrixXd jacobian = roots.asDiagonal() * dense.jacobian();
+  const int rest = dense.variables() - count_;
+  const Eigen::MatrixXd hessian = jacobian.transpose() * jacobian;
+  const Eigen::MatrixXd gain =  // H_cr H_rr^-1
+      hessian.topLeftCorner(rest, rest)
+          .ldlt()
+          .solve(hessian.topRightCorner(rest, count_))
+          .transpose();
+  Eigen::MatrixXd gradients = Eigen::MatrixXd::Zero(dense.variables(), segment_.landmarks.size());
+  for (std::size_t o = 0; o < segment_.observations.size(); ++o) {
+    gradients.col(segment_.observations[o].landmark) +=
+        jacobian.middleRows(2 * o, 2).transpose() * residuals.segment<2>(2 * o);
+  }
+  const Eigen::MatrixXd scores = gradients.bottomRows(count_) - gain * gradients.topRows(rest);
+  const Eigen::MatrixXd expected = scores * scores.transpose();
+  linear_.eliminate(0.0);
+  const Eigen::VectorXd scale = expected.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd difference =
+      scale.asDiagonal() * (Eigen::MatrixXd(linear_.trackScores()) - expected) * scale.asDiagonal();
+  EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-5);
+}
+
 std::vector<Case> cases() {
   std::vector<Case> list;
   for (int camera = 0; camera < 4; ++camera) {

@@ -33,7 +33,7 @@ std::vector<Vector6d> twists(double angle) {
   std::vector<Vector6d> list;
   for (int i = 0; i < 10; ++i) {
     Vector6d twist;
-    for (double& entry : twist) entry = normal(random);
+    for (int k = 0; k < 6; ++k) twist(k) = normal(random);
     twist.tail<3>() *= angle / twist.tail<3>().norm();
     list.push_back(twist);
   }

@@ -113,7 +113,7 @@ TEST_F(MapTest, ReanchoringKeepsPoints) {
 }
 
 TEST_F(MapTest, SegmentHoldsInheritedAndAnchoredLandmarks) {
-  Map map(10);
+  Map map(10, true);
   // 0: from the first keyframe on; 1: from the second on; 2: detected before the map began; 3: seen
   // in the last keyframe alone; 4: seen only in the first.
   map.addKeyframe(keyframeAt(0), {trackOf(0, 0, 0), trackOf(4, 0, 0)}, 0.3, kCamera);
@@ -151,6 +151,25 @@ TEST_F(MapTest, SegmentHoldsInheritedAndAnchoredLandmarks) {
   EXPECT_EQ(last.observations.size(), 6u);
   EXPECT_EQ(map.lastKeyframes(99, kCamera).keyframes.size(), 4u);
   EXPECT_TRUE(map.segmentFrom(4, kCamera).keyframes.empty());
+}
+
+// By default the reference pixel is a measurement like the others.
+TEST_F(MapTest, SegmentEstimatesAllRaysUnlessReferencesAreExact) {
+  Map map(10), exact(10, true);
+  for (int k = 0; k < 3; ++k) {
+    map.addKeyframe(keyframeAt(k), {trackOf(0, k, 0), trackOf(1, k, 7)}, 0.3, kCamera);
+    exact.addKeyframe(keyframeAt(k), {trackOf(0, k, 0), trackOf(1, k, 7)}, 0.3, kCamera);
+  }
+  const Segment segment = map.segmentFrom(0, kCamera);
+  ASSERT_EQ(segment.landmarks.size(), 2u);
+  EXPECT_FALSE(segment.landmarks[0].anchored);
+  ASSERT_EQ(segment.observations.size(), 6u);
+  EXPECT_EQ(segment.observations[0].keyframe, 0);
+  EXPECT_EQ(segment.observations[0].pixel, segment.landmarks[0].reference_pixel);
+  const Segment exact_segment = exact.segmentFrom(0, kCamera);
+  EXPECT_TRUE(exact_segment.landmarks[0].anchored);
+  EXPECT_FALSE(exact_segment.landmarks[1].anchored);
+  EXPECT_EQ(exact_segment.observations.size(), 5u);
 }
 
 TEST_F(MapTest, SegmentObservationsAreThoseSeen) {
