@@ -12,7 +12,7 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr std::size_t kMinTracks = 8;  // For the first keyframe, and to judge motion by rays.
-constexpr int kReweightings = 2;
+constexpr int kReweightings = 6;
 // Share of min_parallax by which tracks must have moved before lost ones count: a person who walks
 // past a still camera takes tracks away, too.
 constexpr double kMovedShare = 0.25;

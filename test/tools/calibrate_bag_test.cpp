@@ -133,7 +133,7 @@ TEST(CalibrateBag, StartValuesAreUsedAndTheirSizeChecked) {
   const TemporaryFolder folder;
   writeTruth(folder / "truth.yaml", converged().truth.lens);
   const Outcome started =
-      calibrateBag(bag + " --duration 0.5 --initial " + (folder / "truth.yaml"));
+      calibrateBag(bag + " --duration 0.15 --initial " + (folder / "truth.yaml"));
   EXPECT_EQ(started.exit_code, 2);
   EXPECT_TRUE(mentions(started, "158.0")) << started.output;
   Lens other = converged().truth.lens;
