@@ -86,15 +86,22 @@ std::string quoted(const std::string& text) {
 
 void writeCsvHeader(const Camera& camera, std::ostream& file) {
   file << "stamp";
-  for (const std::string& name : camera.parameterNames()) file << ',' << name;
-  for (const std::string& name : camera.parameterNames()) file << ",sigma_" << name;
+  Camera all = camera;
+  all.setEstimateK3(all.model() == CameraModel::kRadtan);  // it may join later
+  for (const std::string& name : all.parameterNames()) file << ',' << name;
+  for (const std::string& name : all.parameterNames()) file << ",sigma_" << name;
   file << ",entropy,pixel_uncertainty_rms,pixel_uncertainty_max,queue_size,decision,state,epoch\n";
 }
 
 void writeCsvRow(const CalibrationReport& report, std::ostream& file) {
   file << json::seconds(report.stamp_ns) << std::setprecision(10);
-  for (const double value : report.camera.parameters()) file << ',' << value;
+  const Intrinsics& parameters = report.camera.parameters();
+  const bool without_k3 =
+      report.camera.model() == CameraModel::kRadtan && parameters.size() < kMaxIntrinsics;
+  for (Eigen::Index i = 0; i < parameters.size(); ++i) file << ',' << parameters(i);
+  if (without_k3) file << ",0";
   for (const double value : parameterSigmas(report)) file << ',' << value;
+  if (without_k3) file << ",nan";
   file << ',' << report.entropy << ',' << report.uncertainty.rms << ',' << report.uncertainty.max
        << ',' << report.queue.segments.size() << ',' << quoted(report.queue.last_decision) << ','
        << toString(report.state) << ',' << report.epoch << '\n';
