@@ -8,19 +8,21 @@
 namespace camera_self_calibration {
 namespace {
 
-// Per unit of image width for fx, fy, cx, cy; then the distortion's own units.
+// Standard deviations of batch solutions over 100 keyframes each, mean of three: simulated
+// hand-held camera in a furnished room, 640 x 480, 128 tracks, 0.1 px noise per axis; a lens of
+// about 90 degrees (pinhole), 110 (fov), 80 (radtan) and 125 (equidistant). Per unit of image width
+// for fx, fy, cx, cy; then the distortion's own units.
 struct NormalizationTable {
   CameraModel model;
   std::array<double, kMaxIntrinsics> sigma;
 };
 
-constexpr double kFocal = 1e-4;
-constexpr double kCentre = 1e-4;
 constexpr NormalizationTable kTables[] = {
-    {CameraModel::kPinhole, {kFocal, kFocal, kCentre, kCentre}},
-    {CameraModel::kFov, {kFocal, kFocal, kCentre, kCentre, 2e-4}},
-    {CameraModel::kRadtan, {kFocal, kFocal, kCentre, kCentre, 3e-4, 3e-4, 5e-5, 5e-5, 3e-4}},
-    {CameraModel::kEquidistant, {kFocal, kFocal, kCentre, kCentre, 3e-4, 5e-4, 5e-4, 2e-4}},
+    {CameraModel::kPinhole, {3.4e-5, 3.6e-5, 2.8e-5, 3.2e-5}},
+    {CameraModel::kFov, {5.2e-5, 5.3e-5, 7.7e-5, 8.0e-5, 4.4e-5}},
+    {CameraModel::kRadtan,
+     {8.8e-5, 9.0e-5, 1.1e-4, 1.5e-4, 1.1e-4, 1.6e-4, 1.3e-5, 1.1e-5, 6.8e-5}},
+    {CameraModel::kEquidistant, {4.7e-5, 4.9e-5, 5.2e-5, 5.5e-5, 3.2e-4, 7.2e-4, 6.3e-4, 1.9e-4}},
 };
 
 }  // namespace
