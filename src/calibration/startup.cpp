@@ -78,6 +78,7 @@ void Startup::reset(const Camera& initial) {
   initial_ = camera_ = initial;
   segment_ = Segment();
   information_ = IntrinsicsMatrix();
+  residual_scale_ = 1.0;
   usable_ = false;
   added_ = 0;
   next_retry_ = kFirstRetry;

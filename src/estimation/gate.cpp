@@ -72,7 +72,7 @@ std::vector<int> grossMisfits(const SegmentBlock& block, const Camera& camera, d
   for (std::size_t o = 0; o < squares.size(); ++o) {
     const Observation& observation = segment.observations[o];
     const double limit = std::max(sigmas, min_px / (observation.sigma * block.sigma_scale));
-    if (squares[o] > limit * limit) gross[observation.landmark] = 1;
+    if (!(squares[o] <= limit * limit)) gross[observation.landmark] = 1;
   }
   std::vector<int> result;
   for (std::size_t l = 0; l < gross.size(); ++l) {

@@ -11,7 +11,6 @@ namespace {
 // rho^2 H_rhorho per landmark: (rho / conditional sigma of rho)^2.
 std::vector<double> depthInformation(const Segment& segment, const Camera& camera) {
   std::vector<double> information(segment.landmarks.size(), 0.0);
-  const int keyframes = static_cast<int>(segment.keyframes.size());
   std::vector<PoseMatrices> poses;
   for (const Keyframe& keyframe : segment.keyframes) poses.emplace_back(keyframe.world_from_camera);
   for (const Observation& observation : segment.observations) {
@@ -19,7 +18,7 @@ std::vector<double> depthInformation(const Segment& segment, const Camera& camer
     Eigen::Vector3d ray;
     Eigen::Vector2d pixel;
     PredictionJacobians jacobians;
-    if (observation.keyframe >= keyframes || !landmarkRay(camera, landmark, &ray, nullptr) ||
+    if (!landmarkRay(camera, landmark, &ray, nullptr) ||
         !predictPixel(camera, poses[landmark.reference], poses[observation.keyframe], ray,
                       landmark.inverse_depth, false, &pixel, &jacobians)) {
       continue;

@@ -1,7 +1,5 @@
 #include "camera_self_calibration/estimation/observation_model.h"
 
-#include "camera_self_calibration/geometry/so3.h"
-
 namespace camera_self_calibration {
 
 bool predictPixel(const Camera& camera, const PoseMatrices& reference,

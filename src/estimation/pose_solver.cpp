@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/estimation/robust.h"
@@ -64,7 +65,8 @@ Rigid3 moved(const Rigid3& pose, const Vector6d& step) {
 void countInliers(const Camera& camera, const std::vector<PointView>& views,
                   PoseEstimate* estimate) {
   const PoseMatrices pose(estimate->world_from_camera);
-  std::vector<double> norms(views.size(), 1e9);
+  // A view that cannot be predicted is no inlier, whatever the scale of the others.
+  std::vector<double> norms(views.size(), std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < views.size(); ++i) {
     Eigen::Vector2d residual;
     if (viewResidual(camera, pose, views[i], &residual, nullptr)) norms[i] = residual.norm();
@@ -110,6 +112,7 @@ PoseEstimate solvePose(const Camera& camera, const std::vector<PointView>& views
     if (done) break;
   }
   countInliers(camera, views, &estimate);
+  if (!std::isfinite(estimate.residual_scale)) return estimate;  // most lie behind the camera
   poseEquations(camera, estimate.world_from_camera, views, huber, &hessian, &gradient);
   const Eigen::LDLT<Matrix66d> factor(hessian);
   if (factor.info() == Eigen::Success && factor.vectorD().minCoeff() > 0.0) {

@@ -1,7 +1,5 @@
 #include "camera_self_calibration/estimation/robust.h"
 
-#include <limits>
-
 namespace camera_self_calibration {
 namespace {
 

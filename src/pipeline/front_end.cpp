@@ -91,9 +91,7 @@ void FrontEnd::updateLoss(const TrackedFrame& frame, int inliers, FrontEndOutput
                             " are needed: slow down, or show the camera some texture";
   if (frames_without_pose_ < kFramesUntilLost) return;
   const bool was_tracking = state_ == TrackingState::kTracking;
-  const Rigid3 last_pose = world_from_camera_;
   resetMap();
-  world_from_camera_ = last_pose;
   output->restart_tracking = true;
   if (!was_tracking) return;
   state_ = TrackingState::kLost;

@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "camera_self_calibration/calibration/growth.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "estimation/sample_segments.h"
 

@@ -95,5 +95,18 @@ TEST(SolvePose, SaysWhatItCannotDo) {
   EXPECT_FALSE(solvePose(camera, behind, kGuess).usable);
 }
 
+TEST(SolvePose, RefusesAPoseThatMostViewsLieBehind) {
+  const Camera camera = ordinaryCameras()[0];
+  Random random(4);
+  auto views = viewsFrom(camera, kPose, 60, 0.3, &random);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (i % 5 < 3) views[i].direction *= -1.0;
+    if (i % 5 < 3) views[i].inverse_depth = 0.0;
+  }
+  const PoseEstimate estimate = solvePose(camera, views, kPose);
+  EXPECT_FALSE(estimate.usable);
+  EXPECT_LE(estimate.inliers, 24);
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
-#include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/map/segment.h"
 
@@ -11,7 +10,7 @@ namespace camera_self_calibration {
 
 struct StartupOptions {
   int free_after_keyframes = 4;  ///< From so many keyframes on the intrinsics are estimated.
-  double retry_cost = 1.3;  ///< Robust cost per degree of freedom above which others are tried.
+  double retry_cost = 1.3;       ///< Squared residual scale above which other guesses are tried.
   /// Likelihood ratio (chi-square, 1 degree of freedom) above which radtan's k3 is estimated too.
   double k3_likelihood_ratio = 40.0;
   double max_inverse_depth_ratio = 20.0;  ///< To the median; beyond, a depth starts over.
@@ -38,7 +37,7 @@ class Startup {
   bool usable() const { return usable_; }
   /// Scaled by the residuals where they exceed the tracker's sigma; n_c x n_c.
   const IntrinsicsMatrix& information() const { return information_; }
-  /// sqrt of robust cost per degree of freedom, against the tracker's own sigma.
+  /// Robust scale of the residuals against the tracker's own sigma (SegmentFit::residual_scale).
   double residualScale() const { return residual_scale_; }
 
  private:

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/map/segment.h"

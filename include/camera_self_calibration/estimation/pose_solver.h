@@ -19,12 +19,12 @@ struct PointView {
 };
 
 struct PoseEstimate {
-  bool usable = false;
+  bool usable = false;  ///< All directions are determined, and most views can be predicted.
   Rigid3 world_from_camera;
   /// Of (translation in the world, rotation in the camera), given the points and intrinsics.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   int inliers = 0;              ///< Views within 3.5 scaled sigma, or 1 px.
-  double residual_scale = 1.0;  ///< Robust, of the inliers' whitened residuals.
+  double residual_scale = 1.0;  ///< Robust (median), of all views' whitened residuals; at least 1.
 };
 
 /// The pose alone, points and intrinsics held (eq. 2 with Huber weights), from `guess`.

@@ -21,7 +21,6 @@ inline double huberWeight(double norm, double threshold) {
 constexpr double kUnpredictableResidualPx = 50.0;
 
 /// Upper quantile of the chi-square distribution: the value exceeded with this probability.
-
 double chiSquareQuantile(int degrees_of_freedom, double exceed_probability);
 
 /// Probability that a chi-square variable exceeds `value` (regularised incomplete gamma function).

@@ -26,7 +26,8 @@ class Map {
   struct Sighting {
     std::int64_t keyframe_id = 0;
     Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-    double sigma = 1.0;  ///< [px]; 0 for the reference pixel, which is exact.
+    double sigma =
+        1.0;  ///< Standard deviation per axis [px], positive; the reference pixel has one too.
   };
   struct Point {
     std::int64_t reference_id = 0;  ///< Keyframe in which the track was detected.

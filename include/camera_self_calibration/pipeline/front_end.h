@@ -49,7 +49,7 @@ class FrontEnd {
 
   void adopt(const CalibrationUpdate& update);
 
-  /// Starts a new map at the next frame; the calibration stays.
+  /// Starts a new map at the next frame, from the last pose; the calibration stays.
   void resetMap();
 
  private:
