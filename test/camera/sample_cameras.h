@@ -42,7 +42,9 @@ inline std::vector<Camera> sampleCameras() {
 
 inline std::string describe(const Camera& camera) {
   std::string text = toString(camera.model());
-  for (const double value : camera.parameters()) text += " " + std::to_string(value);
+  for (Eigen::Index i = 0; i < camera.parameters().size(); ++i) {
+    text += " " + std::to_string(camera.parameters()(i));
+  }
   return text;
 }
 
