@@ -33,6 +33,32 @@ struct Row {
   }
 };
 
+// The poses' columns in increasing order; those of fixed keyframes are negative. In its own
+// reference keyframe a point's pixel does not depend on any pose.
+void appendPoses(int reference_column, int observing_column, double scale,
+                 const PredictionJacobians& jacobians, Row* row) {
+  if (reference_column == observing_column) return;
+  const bool reference_first = reference_column < observing_column;
+  if (reference_first && reference_column >= 0) {
+    row->append(reference_column, scale * jacobians.reference_pose);
+  }
+  if (observing_column >= 0) row->append(observing_column, scale * jacobians.observing_pose);
+  if (!reference_first && reference_column >= 0) {
+    row->append(reference_column, scale * jacobians.reference_pose);
+  }
+}
+
+// Inverse depth if it is free, then the bearing of an inherited landmark.
+void setLandmark(const Landmark& landmark, int columns, double scale,
+                 const PredictionJacobians& jacobians, Row* row) {
+  const int depth_columns = columns % 2;  // 1 or 3: the inverse depth is free
+  if (depth_columns > 0) row->landmark.col(0) = scale * jacobians.inverse_depth;
+  if (columns >= 2) {
+    row->landmark.middleCols<2>(depth_columns) =
+        scale * jacobians.ray * tangentBasis(landmark.bearing);
+  }
+}
+
 int landmarkDimension(const SegmentBlock& block, int landmark) {
   const bool free_depth = landmark != block.fixed_landmark;
   return (block.segment->landmarks[landmark].anchored ? 0 : 2) + (free_depth ? 1 : 0);
@@ -183,19 +209,8 @@ void LinearSegment::addObservation(const SegmentBlock& block, const Camera& came
   const double scale = weight / sigma;
   row.residual *= weight;
 
-  // In its own reference keyframe a point's pixel does not depend on any pose.
-  if (landmark.reference != observation.keyframe) {
-    const int reference_column = 6 * (landmark.reference - block.fixed_keyframes);
-    const int observing_column = 6 * (observation.keyframe - block.fixed_keyframes);
-    const bool reference_first = reference_column < observing_column;
-    if (reference_first && reference_column >= 0) {
-      row.append(reference_column, scale * jacobians.reference_pose);
-    }
-    if (observing_column >= 0) row.append(observing_column, scale * jacobians.observing_pose);
-    if (!reference_first && reference_column >= 0) {
-      row.append(reference_column, scale * jacobians.reference_pose);
-    }
-  }
+  appendPoses(6 * (landmark.reference - block.fixed_keyframes),
+              6 * (observation.keyframe - block.fixed_keyframes), scale, jacobians, &row);
   if (with_intrinsics) {
     PixelIntrinsicsJacobian total = jacobians.intrinsics;
     if (landmark.anchored) {
@@ -205,13 +220,7 @@ void LinearSegment::addObservation(const SegmentBlock& block, const Camera& came
   }
 
   const LandmarkRows& rows = rows_[observation.landmark];
-  const int depth_columns = rows.count % 2;  // 1 or 3: the inverse depth is free
-  if (depth_columns > 0) row.landmark.col(0) = scale * jacobians.inverse_depth;
-  if (rows.count >= 2) {
-    row.landmark.middleCols<2>(depth_columns) =
-        scale * jacobians.ray * tangentBasis(landmark.bearing);
-  }
-
+  setLandmark(landmark, rows.count, scale, jacobians, &row);
   for (int a = 0; a < row.columns; ++a) {
     const int column_a = row.column[a];
     track_gradients_(column_a, observation.landmark) += row.x.col(a).dot(row.residual);

@@ -74,6 +74,9 @@ class DogLeg {
  private:
   void linearize();
   bool gaussNewton();
+  void cauchy();
+  bool preparePath();
+  void tryStep(const Step& step, double norm, double predicted, SolveSummary* summary);
   Step trialStep(double radius) const;
   double curvature(const Step& step) const;
   double apply(const Step& step);
@@ -85,6 +88,8 @@ class DogLeg {
   SolverOptions options_;
   int count_;
   double damping_ = kMinDamping;
+  double radius_ = kInitialRadius;
+  bool fresh_ = true;  // linearised since the last path
 
   std::vector<LinearSegment> linear_;
   std::vector<double> costs_;
@@ -233,50 +238,61 @@ double DogLeg::apply(const Step& step) {
   return evaluate();
 }
 
+// Steepest descent in the scaled variables, to the minimum of the quadratic model: D^-2 b.
+void DogLeg::cauchy() {
+  cauchy_ = combine(gradient_, scale_, [](double b, double d) { return b / (d * d); });
+  const double steepness = dot(cauchy_, gradient_);
+  const double bend = curvature(cauchy_);
+  const double length = bend > 0.0 ? steepness / bend : 0.0;
+  cauchy_ = combine(cauchy_, cauchy_, [length](double a, double) { return length * a; });
+}
+
+// Both ends of the dog-leg path at a new linearisation; false where no step can be computed.
+bool DogLeg::preparePath() {
+  if (!fresh_) return true;
+  while (!gaussNewton() && damping_ < kMaxDamping) damping_ *= 10.0;
+  if (damping_ >= kMaxDamping) return false;
+  cauchy();
+  fresh_ = false;
+  return true;
+}
+
+// Takes a step of this scaled norm and predicted gain, or refuses it; the trust region follows.
+void DogLeg::tryStep(const Step& step, double norm, double predicted, SolveSummary* summary) {
+  save();
+  const double cost = apply(step);
+  const double ratio = (cost_ - cost) / predicted;
+  if (std::isfinite(cost) && ratio > 1e-4) {
+    summary->converged = cost_ - cost < options_.cost_tolerance * cost_;
+    summary->final_cost = cost;
+    if (ratio > 0.75) radius_ = std::max(radius_, 3.0 * norm);
+    if (ratio < 0.25) radius_ = 0.5 * norm;
+    linearize();
+    fresh_ = true;
+    damping_ = std::max(kMinDamping, 0.2 * damping_);
+  } else {
+    restore();
+    radius_ = 0.25 * std::min(radius_, norm);
+    summary->converged = predicted < options_.cost_tolerance * cost_;
+  }
+}
+
 SolveSummary DogLeg::run() {
   SolveSummary summary;
   linearize();
   summary.initial_cost = summary.final_cost = cost_;
   summary.usable = std::isfinite(cost_);
-  double radius = kInitialRadius;
-  bool fresh = true;  // linearised since the last accepted step
   while (summary.usable && !summary.converged && summary.iterations < options_.max_iterations &&
-         radius > kMinRadius) {
-    if (fresh) {
-      while (!gaussNewton() && damping_ < kMaxDamping) damping_ *= 10.0;
-      if (damping_ >= kMaxDamping) break;
-      // Steepest descent in the scaled variables, to the minimum of the quadratic model: D^-2 b.
-      cauchy_ = combine(gradient_, scale_, [](double b, double d) { return b / (d * d); });
-      const double steepness = dot(cauchy_, gradient_);
-      const double bend = curvature(cauchy_);
-      const double length = bend > 0.0 ? steepness / bend : 0.0;
-      cauchy_ = combine(cauchy_, cauchy_, [length](double a, double) { return length * a; });
-      fresh = false;
-    }
+         radius_ > kMinRadius && preparePath()) {
     ++summary.iterations;
-    const Step step = trialStep(radius);
+    const Step step = trialStep(radius_);
     const Step scaled = combine(step, scale_, [](double a, double d) { return a * d; });
     const double norm = std::sqrt(dot(scaled, scaled));
     const double predicted = dot(gradient_, step) - 0.5 * curvature(step);
     if (!(predicted > 0.0) || norm < options_.step_tolerance) {
       summary.converged = true;
-      break;
-    }
-    save();
-    const double cost = apply(step);
-    const double ratio = (cost_ - cost) / predicted;
-    if (std::isfinite(cost) && ratio > 1e-4) {
-      summary.converged = cost_ - cost < options_.cost_tolerance * cost_;
-      summary.final_cost = cost;
-      if (ratio > 0.75) radius = std::max(radius, 3.0 * norm);
-      if (ratio < 0.25) radius = 0.5 * norm;
-      linearize();
-      fresh = true;
-      damping_ = std::max(kMinDamping, 0.2 * damping_);
     } else {
-      restore();
-      radius = 0.25 * std::min(radius, norm);
-      summary.converged = predicted < options_.cost_tolerance * cost_;
+      tryStep(step, norm, predicted, &summary);
     }
   }
   return summary;
