@@ -41,6 +41,7 @@ void readPipeline(Reader& read, NodeOptions* options) {
   read("queue_segments", &pipeline.queue_segments);
   read("startup_keyframes", &pipeline.startup_keyframes);
   read("handover_entropy", &pipeline.handover_entropy);
+  read("exact_references", &pipeline.exact_references);
   read("alpha", &pipeline.alpha);
   read("converged_pixel_rms", &pipeline.converged_pixel_rms);
   read("solver_threads", &pipeline.solver_threads);

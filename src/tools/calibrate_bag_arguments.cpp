@@ -45,6 +45,10 @@ po::options_description description(CalibrateBagArguments* arguments) {
          options.segment_keyframes), "keyframes of a segment")
     ("queue-segments", po::value(&options.queue_segments)->default_value(options.queue_segments),
      "segments of the queue")
+    ("exact-references", po::bool_switch(&options.exact_references),
+     "take the pixel in which a feature was detected as exact, not as a measurement")
+    ("handover-entropy", po::value(&options.handover_entropy),
+     "startup also ends below this normalised entropy [nats]; default: only by pixel uncertainty")
     ("alpha", po::value(&options.alpha)->default_value(options.alpha, "0.95"),
      "update rule of the queue, in (0, 1)")
     ("converged-pixel-rms", po::value(&options.converged_pixel_rms),

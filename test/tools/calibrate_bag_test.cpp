@@ -144,6 +144,23 @@ TEST(CalibrateBag, StartValuesAreUsedAndTheirSizeChecked) {
   EXPECT_TRUE(mentions(refused, "640x480")) << refused.output;
 }
 
+TEST(CalibrateBag, OptionsOfTheMethodReachIt) {
+  const TemporaryFolder folder;
+  const auto run = [&](const std::string& options, const std::string& file) {
+    calibrateBag((converged().folder / "room.bag") + " --duration 4 --out " + folder.string() +
+                 " " + options);
+    return contents(folder / file);
+  };
+  const std::string reference = run("", "convergence.csv");
+  EXPECT_GT(reference.size(), 1000u);
+  EXPECT_NE(run("--exact-references", "convergence.csv"), reference);
+  // No pixel uncertainty is small enough here, so that only the entropy can hand over.
+  const std::string never = "--converged-pixel-rms 0.0001";
+  EXPECT_EQ(run(never, "summary.json").find("HANDOVER"), std::string::npos);
+  EXPECT_NE(run(never + " --handover-entropy 1000", "summary.json").find("HANDOVER"),
+            std::string::npos);
+}
+
 TEST(CalibrateBag, AStillCameraDoesNotConverge) {
   const TemporaryFolder folder;
   writeSequence(SimulatedSequence(smallSequence(MotionKind::kStill, 2.0)), folder / "images",
@@ -212,7 +229,8 @@ TEST(CalibrateBag, ImagesThatCannotBeUsedAreAnErrorIfThereIsNoOther) {
 TEST(CalibrateBag, HelpIsHelp) {
   const Outcome outcome = calibrateBag("--help");
   EXPECT_EQ(outcome.exit_code, 0);
-  for (const char* option : {"--model", "--out", "--topic", "--initial", "--start"}) {
+  for (const char* option : {"--model", "--out", "--topic", "--initial", "--start",
+                             "--exact-references", "--handover-entropy"}) {
     EXPECT_TRUE(mentions(outcome, option)) << option;
   }
 }
