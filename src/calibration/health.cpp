@@ -69,6 +69,13 @@ std::string weakestDirection(const IntrinsicsMatrix& information, const Camera& 
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
                           bool was_converged) {
   const double rms = evidence.uncertainty.rms;
+  if (was_converged && rms > evidence.threshold_px) {
+    return {CalibrationState::kConverged,
+            format("the calibration had converged, but the newest stretches disagree with it: now "
+                   "good to %.2f px rms over the image only (limit %.2f px)",
+                   rms, evidence.threshold_px),
+            "if the lens was moved, restart the calibration"};
+  }
   if (was_converged || (evidence.handed_over && rms <= evidence.threshold_px)) {
     return {CalibrationState::kConverged,
             format("the calibration is good to %.2f px rms over the image (limit %.2f px)", rms,

@@ -42,7 +42,9 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
     chi_square += std::max(0.0, 2.0 * (joint - candidates_[i].cost));
   }
   const int freedom = (static_cast<int>(candidates_.size()) - 1) * problem.intrinsicsCount();
-  if (freedom > 0) solution.inflation = std::sqrt(std::max(1.0, chi_square / freedom));
+  // One segment alone cannot disagree: what was known of disagreement stays.
+  if (freedom > 0) inflation_ = std::sqrt(std::max(1.0, chi_square / freedom));
+  solution.inflation = inflation_;
   const double variance = solution.inflation * solution.inflation;
   const Marginal marginal = marginalize(problem, options.huber, threads_);
   solution.information = marginal.information / variance;

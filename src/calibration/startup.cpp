@@ -122,7 +122,7 @@ void Startup::add(const Segment& segment) {
     }
     added_ += keyframes - known;
   } else {
-    camera_ = initial_;
+    if (!usable_) camera_ = initial_;  // a lost map is no reason to forget the lens
     bootstrap(options_, &grown, &camera_);
     added_ = keyframes;
     next_retry_ = kFirstRetry;

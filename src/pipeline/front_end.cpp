@@ -49,7 +49,8 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& frame,
   output.result.stamp_ns = frame.stamp_ns;
   locate(frame, &output);
   const bool first = window_.map().keyframes().empty();
-  if (!output.restart_tracking && (first || keyframe_rule_.isKeyframe(frame, window_.camera()))) {
+  if (!output.restart_tracking && (first || (frames_without_pose_ == 0 &&
+                                             keyframe_rule_.isKeyframe(frame, window_.camera())))) {
     makeKeyframe(frame, detect(), &output);
   }
   output.result.state = state_;

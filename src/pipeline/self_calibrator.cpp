@@ -42,10 +42,13 @@ struct SelfCalibrator::Impl {
         keyframes(kMaxQueuedKeyframes) {
     if (mode == Mode::kInline) return;
     front_thread = std::thread([this] {
-      while (const auto image = images.pop()) processImage(*image);
+      while (const auto image = images.pop())
+        guarded(image->stamp_ns, [&] { processImage(*image); });
     });
     back_thread = std::thread([this] {
-      while (const auto message = keyframes.pop()) processKeyframe(*message);
+      while (const auto message = keyframes.pop()) {
+        guarded(message->candidate.endNs(), [&] { processKeyframe(*message); });
+      }
     });
   }
 
@@ -60,6 +63,16 @@ struct SelfCalibrator::Impl {
   void processFrame(const TrackedFrame& frame, const std::function<std::vector<Track>()>& detect,
                     std::chrono::steady_clock::time_point begin);
   void processKeyframe(const KeyframeMessage& message);
+  // Nothing that goes wrong with one image may end the process that hosts the threads.
+  void guarded(std::int64_t stamp_ns, const std::function<void()>& work) {
+    try {
+      work();
+    } catch (const std::exception& error) {
+      reset_requested = true;
+      raise({EventType::kInput, stamp_ns, stamp_ns,
+             std::string("an image could not be processed: ") + error.what()});
+    }
+  }
   bool accept(const TrackedFrame& frame);
   void leaveOut(std::int64_t stamp_ns, const std::string& reason);
   void start(int width, int height);

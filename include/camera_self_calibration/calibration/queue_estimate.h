@@ -34,7 +34,10 @@ class QueueEstimate {
 
   void add(const Candidate& candidate) { candidates_.push_back(candidate); }
   void remove(const std::vector<std::int64_t>& sequences);
-  void clear() { candidates_.clear(); }
+  void clear() {
+    candidates_.clear();
+    inflation_ = 1.0;
+  }
   const std::vector<Candidate>& candidates() const { return candidates_; }
 
   /// Starts from the segments' present states and `start`.
@@ -42,6 +45,7 @@ class QueueEstimate {
 
  private:
   int threads_;
+  double inflation_ = 1.0;
   std::vector<Candidate> candidates_;
 };
 
