@@ -130,7 +130,7 @@ TEST(Marginal, DoesNotDependOnTheGauge) {
 }
 
 TEST(Marginal, SurvivesPureRotation) {
-  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const Camera truth = ordinaryCameras()[seed % 4];
     SegmentOptions options;
     options.camera = truth;

@@ -6,6 +6,7 @@
 
 #include "estimation/sample_segments.h"
 #include "pipeline/track_run.h"
+#include "sanitized.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -21,7 +22,7 @@ double worstSigmas(const CalibrationReport& report, const Camera& truth) {
 
 TEST(Convergence, FromTheDefaultGuessForEachModel) {
   for (const Camera& truth : ordinaryCameras()) {
-    for (const std::uint64_t seed : {1, 2, 3}) {
+    for (std::uint64_t seed = 1; seed <= (kSanitized ? 1 : 3); ++seed) {
       TrackRunOptions run;
       run.seed = seed;
       TrackRun calibration(truth, optionsFor(truth.model()), run);
