@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <limits>
+#include <utility>
 
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
 #include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/map/map.h"
 
 namespace camera_self_calibration {
@@ -43,22 +45,18 @@ double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
                                           ray, landmark.inverse_depth,
                                           segment.keyframes[k].world_from_camera));
   }
-  if (depths.empty()) return 1.0;
-  const auto middle = depths.begin() + depths.size() / 2;
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle > 0.0 ? *middle : 1.0;
+  const double middle = median(std::move(depths), 1.0);
+  return middle > 0.0 ? middle : 1.0;
 }
 
 void restartRunawayDepths(double max_ratio, Segment* segment) {
   std::vector<double> depths;
   for (const Landmark& landmark : segment->landmarks) depths.push_back(landmark.inverse_depth);
-  if (depths.empty()) return;
-  const auto middle = depths.begin() + depths.size() / 2;
-  std::nth_element(depths.begin(), middle, depths.end());
-  const double median = *middle > 0.0 ? *middle : 1.0;
+  const double middle = median(std::move(depths), 1.0);
+  const double typical = middle > 0.0 ? middle : 1.0;
   for (Landmark& landmark : segment->landmarks) {
-    if (!(landmark.inverse_depth > 0.0) || landmark.inverse_depth > max_ratio * median) {
-      landmark.inverse_depth = median;
+    if (!(landmark.inverse_depth > 0.0) || landmark.inverse_depth > max_ratio * typical) {
+      landmark.inverse_depth = typical;
     }
   }
 }

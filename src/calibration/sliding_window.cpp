@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <set>
+#include <utility>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/geometry/median.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -26,13 +28,6 @@ SolverOptions windowSolver() {
   options.step_tolerance = 1e-2;
   options.cost_tolerance = 1e-4;
   return options;
-}
-
-double median(std::vector<double> values, double fallback) {
-  if (values.empty()) return fallback;
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 }  // namespace

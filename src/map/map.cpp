@@ -1,6 +1,9 @@
 #include "camera_self_calibration/map/map.h"
 
 #include <algorithm>
+#include <utility>
+
+#include "camera_self_calibration/geometry/median.h"
 
 namespace camera_self_calibration {
 
@@ -174,10 +177,8 @@ double Map::medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) c
     const auto depth = inverseDepthFrom(other->world_from_camera, point, camera);
     if (depth) depths.push_back(*depth);
   }
-  if (depths.empty()) return 1.0;
-  const auto middle = depths.begin() + depths.size() / 2;
-  std::nth_element(depths.begin(), middle, depths.end());
-  return *middle > 0.0 ? *middle : 1.0;
+  const double middle = median(std::move(depths), 1.0);
+  return middle > 0.0 ? middle : 1.0;
 }
 
 }  // namespace camera_self_calibration
