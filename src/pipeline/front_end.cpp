@@ -39,6 +39,7 @@ void FrontEnd::resetMap() {
   keyframe_rule_.reset();
   ++map_id_;
   state_ = TrackingState::kInitializing;
+  map_tracked_ = false;
   frames_without_pose_ = 0;
   last_motion_ = Rigid3();
 }
@@ -60,9 +61,10 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& frame,
   if (output.result.sentence.empty()) {
     output.result.sentence = state_ == TrackingState::kTracking
                                  ? std::to_string(frame.tracks.size()) + " features tracked"
+                             : output.result.is_keyframe
+                                 ? "a new map begins with this image"
                                  : "waiting for an image with enough texture";
   }
-  last_stamp_ns_ = frame.stamp_ns;
   return output;
 }
 
@@ -76,26 +78,42 @@ void FrontEnd::locate(const TrackedFrame& frame, FrontEndOutput* output) {
     last_motion_ = world_from_camera_.inverse() * pose.world_from_camera;
     world_from_camera_ = pose.world_from_camera;
     output->result.pose_covariance = pose.covariance;
-    state_ = TrackingState::kTracking;
+    resumeTracking(frame, output);
+  } else {
+    missPose(frame, output);
   }
-  updateLoss(frame, located ? pose.inliers : 0, output);
 }
 
-void FrontEnd::updateLoss(const TrackedFrame& frame, int inliers, FrontEndOutput* output) {
-  if (inliers >= kMinTracks) {
-    frames_without_pose_ = 0;
-    return;
-  }
+void FrontEnd::resumeTracking(const TrackedFrame& frame, FrontEndOutput* output) {
+  frames_without_pose_ = 0;
+  last_stamp_ns_ = frame.stamp_ns;
+  map_tracked_ = true;
+  state_ = TrackingState::kTracking;
+  if (!loss_reported_) return;
+  loss_reported_ = false;
+  output->events.push_back({EventType::kRelocalized, frame.stamp_ns, frame.stamp_ns,
+                            "tracking is back, in the new map " + std::to_string(map_id_) +
+                                " with an origin and a scale of its own"});
+}
+
+// A frame without a pose is LOST at once, since its pose is not known; the map is given up later.
+void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
+  if (state_ == TrackingState::kTracking) state_ = TrackingState::kLost;
   ++frames_without_pose_;
-  output->result.sentence = "only " + std::to_string(frame.tracks.size()) +
-                            " features could be followed; " + std::to_string(kMinTracks) +
-                            " are needed: slow down, or show the camera some texture";
+  const int tracks = static_cast<int>(frame.tracks.size());
+  output->result.sentence = tracks < kMinTracks
+                                ? "only " + std::to_string(tracks) +
+                                      " features could be followed; " + std::to_string(kMinTracks) +
+                                      " are needed: slow down, or show the camera some texture"
+                                : "no pose agrees with the " + std::to_string(tracks) +
+                                      " features: slow down, or look at what does not move";
   if (frames_without_pose_ < kFramesUntilLost) return;
-  const bool was_tracking = state_ == TrackingState::kTracking;
+  const bool was_tracked = map_tracked_;
   resetMap();
   output->restart_tracking = true;
-  if (!was_tracking) return;
-  state_ = TrackingState::kLost;
+  if (was_tracked || loss_reported_) state_ = TrackingState::kLost;
+  if (!was_tracked) return;
+  loss_reported_ = true;
   output->events.push_back({EventType::kLost, frame.stamp_ns, frame.stamp_ns,
                             "tracking was lost; the calibration is kept and a new map begins"});
 }
@@ -117,6 +135,7 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
   keyframe_rule_.setKeyframe(whole);
   output->result.is_keyframe = true;
   output->result.keyframe_id = keyframe.id;
+  last_stamp_ns_ = frame.stamp_ns;
   KeyframeMessage message;
   message.keyframes = keyframes_;
   message.candidate = window_.map().lastKeyframes(options_.segment_keyframes, window_.camera());

@@ -1,13 +1,7 @@
 #include "camera_self_calibration/ros/self_calibration_node.h"
 
-#include <cv_bridge/cv_bridge.h>
-
-#include <exception>
-
 namespace camera_self_calibration {
 namespace {
-
-constexpr std::uint32_t kImageQueue = 10;
 
 /// The start values of the parameters for images of this size.
 std::optional<Camera> initialCamera(const NodeOptions& options, int width, int height) {
@@ -29,7 +23,9 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   camera_info_policy_ = std::make_unique<CameraInfoPolicy>(options_.min_publish_change_px);
   diagnostics_ =
       std::make_unique<Diagnostics>(node_, private_node_, name, camera_info_policy_.get());
-  diagnostics_->setTopic(node_.resolveName("image"));
+  input_ = std::make_unique<ImageInput>(node_, node_.resolveName("image"), options_.image_transport,
+                                        [this](const InputImage& image) { onImage(image); });
+  diagnostics_->setTopic(input_->topic());
   diagnostics_timer_ = private_node_.createWallTimer(
       ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->publish(); });
   if (!reading.problems.empty()) {
@@ -37,18 +33,15 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
     return;
   }
   results_ = std::make_unique<ResultPublisher>(private_node_, options_);
-  image_publisher_ =
-      image_transport::ImageTransport(private_node_).advertise("image_raw", kImageQueue);
-  camera_info_publisher_ =
-      private_node_.advertise<sensor_msgs::CameraInfo>("camera_info", kImageQueue);
-  subscribe();
+  camera_publisher_ = std::make_unique<CameraPublisher>(private_node_, camera_info_policy_.get());
+  session_ = std::make_unique<CalibrationSession>(options_.pipeline, callbacks());
+  input_->subscribe();
 }
 
 SelfCalibrationNode::~SelfCalibrationNode() {
-  raw_subscriber_.shutdown();
-  compressed_subscriber_.shutdown();
+  input_->shutdown();
   diagnostics_timer_.stop();
-  calibrator_.reset();
+  session_.reset();
 }
 
 void SelfCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
@@ -57,74 +50,26 @@ void SelfCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
   ROS_ERROR_STREAM(private_node_.getNamespace()
                    << ": idle, since the parameters cannot be used:" << text);
   diagnostics_->setProblems(problems);
+  input_->shutdown();
 }
 
-void SelfCalibrationNode::subscribe() {
-  const std::string topic = node_.resolveName("image");
-  if (options_.image_transport != "compressed") {
-    raw_subscriber_ = node_.subscribe(topic, kImageQueue, &SelfCalibrationNode::onImage, this);
-  }
-  if (options_.image_transport != "raw") {
-    compressed_subscriber_ = node_.subscribe(topic + "/compressed", kImageQueue,
-                                             &SelfCalibrationNode::onCompressed, this);
-  }
-}
-
-void SelfCalibrationNode::onImage(const sensor_msgs::ImageConstPtr& message) {
-  compressed_subscriber_.shutdown();  // "auto": what comes first is taken.
-  const GrayImage gray = converter_.convert(message);
-  if (gray.view) {
-    image_publisher_.publish(message);
-    publishCameraInfo(message->header, *gray.view);
-  }
-  take(gray, message->header);
-}
-
-void SelfCalibrationNode::onCompressed(const sensor_msgs::CompressedImageConstPtr& message) {
-  raw_subscriber_.shutdown();
-  const GrayImage gray = converter_.convert(*message);
-  if (gray.view) {
-    if (image_publisher_.getNumSubscribers() > 0) republish(*message);
-    publishCameraInfo(message->header, *gray.view);
-  }
-  take(gray, message->header);
-}
-
-void SelfCalibrationNode::republish(const sensor_msgs::CompressedImage& message) {
-  try {
-    image_publisher_.publish(cv_bridge::toCvCopy(message)->toImageMsg());
-  } catch (const std::exception& e) {
-    warnThrottled(std::string("the image cannot be republished: ") + e.what());
-  }
-}
-
-void SelfCalibrationNode::publishCameraInfo(const std_msgs::Header& header, const ImageView& view) {
-  if (camera_info_publisher_.getNumSubscribers() == 0) return;
-  camera_info_publisher_.publish(camera_info_policy_->infoFor(header, view.width, view.height));
-}
-
-void SelfCalibrationNode::take(const GrayImage& gray, const std_msgs::Header& header) {
-  const InputVerdict verdict = monitor_.check(gray);
+void SelfCalibrationNode::onImage(const InputImage& image) {
+  const std::string problem = camera_publisher_->publish(image);
+  if (!problem.empty()) warnThrottled(problem);
+  const InputVerdict verdict = monitor_.check(image.gray);
   diagnostics_->update(monitor_.counts());
   if (verdict != InputVerdict::kUse) warnThrottled(monitor_.counts().last_problem);
-  if (verdict == InputVerdict::kReject || (!calibrator_ && !start())) return;
-  results_->setImageFrame(header.frame_id);
-  if (!calibrator_->process(*gray.view)) ++dropped_images_;
+  if (verdict == InputVerdict::kReject || !ready()) return;
+  results_->setImageFrame(image.header.frame_id);
+  if (!session_->process(*image.gray.view)) ++dropped_images_;
 }
 
-bool SelfCalibrationNode::start() {
-  try {
-    Options options = options_.pipeline;
-    options.initial_camera = initialCamera(options_, monitor_.width(), monitor_.height());
-    calibrator_ =
-        std::make_unique<SelfCalibrator>(options, SelfCalibrator::Mode::kThreaded, callbacks());
-    return true;
-  } catch (const std::exception& e) {
-    stayIdle({e.what()});
-    raw_subscriber_.shutdown();
-    compressed_subscriber_.shutdown();
-    return false;
-  }
+bool SelfCalibrationNode::ready() {
+  if (session_->running()) return true;
+  const std::string problem =
+      session_->start(initialCamera(options_, monitor_.width(), monitor_.height()));
+  if (!problem.empty()) stayIdle({problem});
+  return problem.empty();
 }
 
 Callbacks SelfCalibrationNode::callbacks() {

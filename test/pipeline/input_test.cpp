@@ -42,6 +42,7 @@ TEST_F(InputTest, LossKeepsTheCalibration) {
   EXPECT_EQ(run_.record.count(EventType::kLost), 1);
   EXPECT_EQ(run_.record.frames.back().state, TrackingState::kTracking);
   EXPECT_NE(mapId(), map_id);
+  EXPECT_EQ(run_.record.count(EventType::kRelocalized), 1);
   run_.run(60);
   expectCalibrationKept();
   // Another loss is another event.
@@ -61,7 +62,15 @@ TEST_F(InputTest, AShortGapLosesNothing) {
   }
   run_.run(10);
   EXPECT_EQ(run_.record.frames.size(), count + 13);
+  // A pose that is not known is not published as known.
+  for (std::size_t i = count; i < run_.record.frames.size(); ++i) {
+    const FrameResult& result = run_.record.frames[i];
+    const bool tracking = result.state == TrackingState::kTracking;
+    EXPECT_EQ(tracking, i >= count + 3) << "image " << i - count;
+    EXPECT_EQ(result.pose_covariance.trace() > 0.0, tracking) << "image " << i - count;
+  }
   EXPECT_EQ(run_.record.count(EventType::kLost), 0);
+  EXPECT_EQ(run_.record.count(EventType::kRelocalized), 0);
   EXPECT_EQ(mapId(), map_id);
   EXPECT_EQ(run_.record.frames.back().state, TrackingState::kTracking);
 }

@@ -55,7 +55,8 @@ class FrontEnd {
  private:
   void locate(const TrackedFrame& frame, FrontEndOutput* output);
   void makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected, FrontEndOutput* output);
-  void updateLoss(const TrackedFrame& frame, int inliers, FrontEndOutput* output);
+  void resumeTracking(const TrackedFrame& frame, FrontEndOutput* output);
+  void missPose(const TrackedFrame& frame, FrontEndOutput* output);
 
   Options options_;
   SlidingWindow window_;
@@ -64,10 +65,12 @@ class FrontEnd {
   std::int64_t keyframes_ = 0;
   std::uint64_t map_id_ = 0;
   TrackingState state_ = TrackingState::kInitializing;
+  bool map_tracked_ = false;    // a pose was found in this map
+  bool loss_reported_ = false;  // and tracking is not back yet
   int frames_without_pose_ = 0;
-  Rigid3 world_from_camera_;  // of the last frame
-  Rigid3 last_motion_;        // previous camera from last camera
-  std::int64_t last_stamp_ns_ = 0;
+  Rigid3 world_from_camera_;        // of the last frame with a pose
+  Rigid3 last_motion_;              // from it to the one with a pose before it
+  std::int64_t last_stamp_ns_ = 0;  // of the last frame with a pose
 };
 
 }  // namespace camera_self_calibration

@@ -28,7 +28,8 @@ struct FrameResult {
   TrackingState state = TrackingState::kInitializing;
   std::string sentence;      ///< The state in words, with what would help.
   std::uint64_t map_id = 0;  ///< Poses of different maps have different frames and scales.
-  /// Map units: the scale is arbitrary. Axes of the optical frame (REP 103).
+  /// Known while TRACKING only; else the last one that was. Map units: the scale is arbitrary. Axes
+  /// of the optical frame (REP 103).
   Rigid3 world_from_camera;
   /// Of a perturbation (translation in the world [map unit], rotation in the camera [rad]).
   Matrix6d pose_covariance = Matrix6d::Zero();

@@ -1,18 +1,17 @@
 #pragma once
 
-#include <image_transport/image_transport.h>
 #include <ros/node_handle.h>
-#include <sensor_msgs/CompressedImage.h>
-#include <sensor_msgs/Image.h>
 
 #include <atomic>
 #include <memory>
 #include <string>
 #include <vector>
 
-#include "camera_self_calibration/pipeline/self_calibrator.h"
+#include "camera_self_calibration/ros/calibration_session.h"
 #include "camera_self_calibration/ros/camera_info_policy.h"
+#include "camera_self_calibration/ros/camera_publisher.h"
 #include "camera_self_calibration/ros/diagnostics.h"
+#include "camera_self_calibration/ros/image_input.h"
 #include "camera_self_calibration/ros/input_monitor.h"
 #include "camera_self_calibration/ros/node_options.h"
 #include "camera_self_calibration/ros/result_publisher.h"
@@ -31,20 +30,14 @@ class SelfCalibrationNode {
 
  private:
   void stayIdle(const std::vector<std::string>& problems);
-  void subscribe();
-  void onImage(const sensor_msgs::ImageConstPtr& message);
-  void onCompressed(const sensor_msgs::CompressedImageConstPtr& message);
-  void republish(const sensor_msgs::CompressedImage& message);
-  void publishCameraInfo(const std_msgs::Header& header, const ImageView& view);
-  void take(const GrayImage& gray, const std_msgs::Header& header);
-  bool start();
+  void onImage(const InputImage& image);
+  bool ready();
   Callbacks callbacks();
   void warnThrottled(const std::string& text);
 
   ros::NodeHandle node_;
   ros::NodeHandle private_node_;
   NodeOptions options_;
-  GrayConverter converter_;
   InputMonitor monitor_;
   ros::WallTime last_warning_;
 
@@ -53,13 +46,11 @@ class SelfCalibrationNode {
   std::unique_ptr<CameraInfoPolicy> camera_info_policy_;
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<ResultPublisher> results_;
-  image_transport::Publisher image_publisher_;
-  ros::Publisher camera_info_publisher_;
-  std::unique_ptr<SelfCalibrator> calibrator_;
+  std::unique_ptr<CameraPublisher> camera_publisher_;
+  std::unique_ptr<CalibrationSession> session_;
 
   ros::WallTimer diagnostics_timer_;
-  ros::Subscriber raw_subscriber_;
-  ros::Subscriber compressed_subscriber_;
+  std::unique_ptr<ImageInput> input_;
 };
 
 }  // namespace camera_self_calibration

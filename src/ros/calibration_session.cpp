@@ -1,0 +1,60 @@
+#include "camera_self_calibration/ros/calibration_session.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+namespace camera_self_calibration {
+
+CalibrationSession::CalibrationSession(const Options& options, Callbacks callbacks)
+    : options_(options), callbacks_(std::move(callbacks)) {}
+
+std::string CalibrationSession::start(const std::optional<Camera>& initial_camera) {
+  stop();
+  if (started_) {
+    base_ = {newest_.map_id + 1, newest_.revision + 1, newest_.epoch + 1};
+  }
+  started_ = true;
+  try {
+    Options options = options_;
+    options.initial_camera = initial_camera;
+    calibrator_ =
+        std::make_unique<SelfCalibrator>(options, SelfCalibrator::Mode::kThreaded, continued());
+    return {};
+  } catch (const std::exception& e) {
+    return e.what();
+  }
+}
+
+void CalibrationSession::stop() { calibrator_.reset(); }
+
+Callbacks CalibrationSession::continued() const {
+  Callbacks result;
+  result.frame = [this](const FrameResult& frame) { pass(frame); };
+  result.calibration = [this](const CalibrationReport& report) { pass(report); };
+  result.event = callbacks_.event;
+  return result;
+}
+
+void CalibrationSession::pass(FrameResult result) const {
+  result.map_id += base_.map_id;
+  result.calibration_revision += base_.revision;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    newest_.map_id = std::max(newest_.map_id, result.map_id);
+  }
+  if (callbacks_.frame) callbacks_.frame(result);
+}
+
+void CalibrationSession::pass(CalibrationReport report) const {
+  report.revision += base_.revision;
+  report.epoch += base_.epoch;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    newest_.revision = std::max(newest_.revision, report.revision);
+    newest_.epoch = std::max(newest_.epoch, report.epoch);
+  }
+  if (callbacks_.calibration) callbacks_.calibration(report);
+}
+
+}  // namespace camera_self_calibration
