@@ -21,9 +21,10 @@ std::vector<double> squaredResiduals(const SegmentBlock& block, const Camera& ca
     const Landmark& landmark = segment.landmarks[observation.landmark];
     Eigen::Vector3d ray;
     Eigen::Vector2d prediction;
-    if (!landmarkRay(camera, landmark, &ray, nullptr) ||
-        !predictPixel(camera, poses[landmark.reference], poses[observation.keyframe], ray,
-                      landmark.inverse_depth, false, &prediction, nullptr)) {
+    if (!landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr) ||
+        !predictPixel(segment.cameraOf(observation.keyframe, camera), poses[landmark.reference],
+                      poses[observation.keyframe], ray, landmark.inverse_depth, false, &prediction,
+                      nullptr)) {
       continue;
     }
     const double sigma = observation.sigma * block.sigma_scale;

@@ -18,9 +18,10 @@ std::vector<double> depthInformation(const Segment& segment, const Camera& camer
     Eigen::Vector3d ray;
     Eigen::Vector2d pixel;
     PredictionJacobians jacobians;
-    if (!landmarkRay(camera, landmark, &ray, nullptr) ||
-        !predictPixel(camera, poses[landmark.reference], poses[observation.keyframe], ray,
-                      landmark.inverse_depth, false, &pixel, &jacobians)) {
+    if (!landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr) ||
+        !predictPixel(segment.cameraOf(observation.keyframe, camera), poses[landmark.reference],
+                      poses[observation.keyframe], ray, landmark.inverse_depth, false, &pixel,
+                      &jacobians)) {
       continue;
     }
     information[observation.landmark] +=

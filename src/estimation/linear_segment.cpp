@@ -177,8 +177,10 @@ void LinearSegment::linearize(const SegmentBlock& block, const Camera& camera, i
   ray_jacobians_.resize(landmarks);
   ray_valid_.resize(landmarks);
   for (std::size_t l = 0; l < landmarks; ++l) {
-    ray_valid_[l] = landmarkRay(camera, segment.landmarks[l], &rays_[l],
+    const Landmark& landmark = segment.landmarks[l];
+    ray_valid_[l] = landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &rays_[l],
                                 intrinsics_count > 0 ? &ray_jacobians_[l] : nullptr);
+    if (segment.isEarlier(landmark.reference)) ray_jacobians_[l].setZero();
   }
   for (const Observation& observation : segment.observations) {
     addObservation(block, camera, huber, observation);
@@ -194,8 +196,10 @@ void LinearSegment::addObservation(const SegmentBlock& block, const Camera& came
   const bool with_intrinsics = intrinsics_count_ > 0;
   PredictionJacobians jacobians;
   Eigen::Vector2d prediction;
+  const bool earlier = block.segment->isEarlier(observation.keyframe);
+  const Camera& seen_with = block.segment->cameraOf(observation.keyframe, camera);
   if (!ray_valid_[observation.landmark] ||
-      !predictPixel(camera, poses_[landmark.reference], poses_[observation.keyframe], ray,
+      !predictPixel(seen_with, poses_[landmark.reference], poses_[observation.keyframe], ray,
                     landmark.inverse_depth, with_intrinsics, &prediction, &jacobians)) {
     cost_ += unpredictableCost(sigma, huber);
     return;
@@ -213,6 +217,7 @@ void LinearSegment::addObservation(const SegmentBlock& block, const Camera& came
               6 * (observation.keyframe - block.fixed_keyframes), scale, jacobians, &row);
   if (with_intrinsics) {
     PixelIntrinsicsJacobian total = jacobians.intrinsics;
+    if (earlier) total.setZero();  // held
     if (landmark.anchored) {
       total.noalias() += jacobians.ray * ray_jacobians_[observation.landmark];
     }
@@ -380,11 +385,13 @@ double robustCost(const SegmentBlock& block, const Camera& camera, double huber)
     const Landmark& landmark = segment.landmarks[observation.landmark];
     if (observation.landmark != ray_landmark) {
       ray_landmark = observation.landmark;
-      ray_valid = landmarkRay(camera, landmark, &ray, nullptr);
+      ray_valid =
+          landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr);
     }
     const double sigma = observation.sigma * block.sigma_scale;
     Eigen::Vector2d prediction;
-    if (ray_valid && predictPixel(camera, poses[landmark.reference], poses[observation.keyframe],
+    const Camera& seen_with = segment.cameraOf(observation.keyframe, camera);
+    if (ray_valid && predictPixel(seen_with, poses[landmark.reference], poses[observation.keyframe],
                                   ray, landmark.inverse_depth, false, &prediction, nullptr)) {
       cost += huberCost((observation.pixel - prediction).norm() / sigma, huber);
     } else {

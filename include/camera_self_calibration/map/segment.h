@@ -2,8 +2,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
+#include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/geometry/rigid3.h"
 
 namespace camera_self_calibration {
@@ -47,6 +49,17 @@ struct Segment {
   std::vector<Keyframe> keyframes;
   std::vector<Landmark> landmarks;
   std::vector<Observation> observations;
+  /// Intrinsics of the first `earlier_keyframes` keyframes where the physical camera changed within
+  /// the stretch: known, and held. Null: there was no change.
+  std::shared_ptr<const Camera> earlier_camera;
+  int earlier_keyframes = 0;
+
+  /// Whether a keyframe was taken before the change.
+  bool isEarlier(int keyframe) const { return earlier_camera && keyframe < earlier_keyframes; }
+  /// The intrinsics that a keyframe was taken with; `present` where they did not change.
+  const Camera& cameraOf(int keyframe, const Camera& present) const {
+    return isEarlier(keyframe) ? *earlier_camera : present;
+  }
 
   std::int64_t beginNs() const { return keyframes.empty() ? 0 : keyframes.front().stamp_ns; }
   std::int64_t endNs() const { return keyframes.empty() ? 0 : keyframes.back().stamp_ns; }
