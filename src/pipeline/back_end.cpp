@@ -29,7 +29,7 @@ std::string format(const char* text, double a, double b) {
 BackEnd::BackEnd(const Options& options, const Camera& camera)
     : options_(options),
       startup_(StartupOptions(), camera),
-      queue_(options.queue_segments, options.alpha),
+      queue_(options.queue_segments, options.alpha, options.score),
       estimate_(options.solver_threads) {
   report_.camera = camera;
   report_.uncertainty = {kInfinity, kInfinity};
@@ -86,6 +86,7 @@ void BackEnd::offerCandidate(const KeyframeMessage& message) {
   score.begin_ns = candidate.segment.beginNs();
   score.end_ns = candidate.segment.endNs();
   score.entropy = candidate.entropy;
+  score.pixel_rms = candidate.uncertainty.rms;
   score.information = candidate.information;
   score.well_posed = candidate.well_posed;
   const QueueDecision decision = queue_.offer(score, candidate.camera);

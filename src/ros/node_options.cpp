@@ -43,6 +43,7 @@ void readPipeline(Reader& read, NodeOptions* options) {
   read("handover_entropy", &pipeline.handover_entropy);
   read("exact_references", &pipeline.exact_references);
   read("alpha", &pipeline.alpha);
+  read("score", &options->score);
   read("converged_pixel_rms", &pipeline.converged_pixel_rms);
   read("solver_threads", &pipeline.solver_threads);
   read("max_queued_images", &pipeline.max_queued_images);
@@ -79,6 +80,9 @@ void checkModel(const NodeOptions& options, std::vector<std::string>* problems) 
 std::vector<std::string> NodeOptions::problems() const {
   std::vector<std::string> problems = pipeline.problems();
   checkModel(*this, &problems);
+  if (!scoreKindFromString(score)) {
+    problems.push_back("score is '" + score + "'; it must be entropy or pixel");
+  }
   if (image_transport != "raw" && image_transport != "compressed" && image_transport != "auto") {
     problems.push_back("image_transport is '" + image_transport +
                        "'; it must be raw, compressed or auto");
@@ -101,6 +105,8 @@ NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node) {
   readInterface(read, &reading.options);
   const auto model = cameraModelFromString(reading.options.model);
   if (model) reading.options.pipeline.model = *model;
+  const auto score = scoreKindFromString(reading.options.score);
+  if (score) reading.options.pipeline.score = *score;
   const std::vector<std::string> violated = reading.options.problems();
   reading.problems.insert(reading.problems.end(), violated.begin(), violated.end());
   return reading;

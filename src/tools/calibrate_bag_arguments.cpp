@@ -51,6 +51,9 @@ po::options_description description(CalibrateBagArguments* arguments) {
      "startup also ends below this normalised entropy [nats]; default: only by pixel uncertainty")
     ("alpha", po::value(&options.alpha)->default_value(options.alpha, "0.95"),
      "update rule of the queue, in (0, 1)")
+    ("score", po::value<std::string>(),
+     "what makes a segment better: entropy | pixel (expected error over the image); default "
+     "entropy")
     ("converged-pixel-rms", po::value(&options.converged_pixel_rms),
      "CONVERGED below this pixel uncertainty [px]; default: 1 px per 640 px of image width")
     ("solver-threads", po::value(&options.solver_threads)->default_value(options.solver_threads),
@@ -64,6 +67,12 @@ CameraModel modelFromName(const std::string& name) {
   if (model) return *model;
   throw std::runtime_error("--model " + name +
                            " is not one of pinhole, fov, radtan (or plumb_bob), equidistant");
+}
+
+ScoreKind scoreFromName(const std::string& name) {
+  const std::optional<ScoreKind> score = scoreKindFromString(name);
+  if (score) return *score;
+  throw std::runtime_error("--score " + name + " is not one of entropy, pixel");
 }
 
 /// The start values, converted if another model was asked for.
@@ -117,6 +126,9 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
   checkSource(arguments.source);
   const bool model_given = given.count("model") > 0;
   if (model_given) arguments.options.model = modelFromName(given["model"].as<std::string>());
+  if (given.count("score") > 0) {
+    arguments.options.score = scoreFromName(given["score"].as<std::string>());
+  }
   if (given.count("initial") > 0) {
     setInitial(given["initial"].as<std::string>(), model_given, &arguments.options);
   }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "camera/sample_cameras.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/entropy.h"
 
 namespace camera_self_calibration {
@@ -141,6 +142,50 @@ TEST(SegmentQueue, CountsAStretchOfTimeOnce) {
   EXPECT_EQ(sequences(queue), (Ids{1, 2}));
   // Nor do gains below the margin creep in one after the other.
   EXPECT_FALSE(queue.consider(score(9, 0, 10, 0.96), kCamera).accepted);
+}
+
+SegmentScore withPixelError(std::int64_t sequence, std::int64_t begin, std::int64_t end,
+                            double pixel_rms, double entropy) {
+  SegmentScore result = withEntropy(sequence, begin, end, entropy);
+  result.pixel_rms = pixel_rms;
+  return result;
+}
+
+TEST(SegmentQueue, ByPixelErrorTheEntropyDoesNotCount) {
+  SegmentQueue queue(2, kAlpha, ScoreKind::kPixel);
+  queue.offer(withPixelError(1, 0, 10, 0.2, 30.0), kCamera);
+  queue.offer(withPixelError(2, 20, 30, 0.4, -30.0), kCamera);
+  EXPECT_FALSE(
+      queue.offer(withPixelError(3, 40, 50, 1.01 * kAlpha * 0.4, -99.0), kCamera).accepted);
+  const QueueDecision decision =
+      queue.offer(withPixelError(4, 40, 50, 0.99 * kAlpha * 0.4, 99.0), kCamera);
+  EXPECT_TRUE(decision.accepted);
+  EXPECT_EQ(decision.replaced, Ids{2});
+  EXPECT_FALSE(queue.offer(withPixelError(5, 60, 70, NAN, 0.0), kCamera).accepted);
+  EXPECT_FALSE(queue.offer(withPixelError(5, 60, 70, INFINITY, 0.0), kCamera).accepted);
+}
+
+TEST(SegmentQueue, ByPixelErrorSeveralCountTogether) {
+  SegmentQueue queue(3, kAlpha, ScoreKind::kPixel);
+  const auto scored = [](std::int64_t sequence, std::int64_t begin, std::int64_t end,
+                         double spread) {
+    SegmentScore result = score(sequence, begin, end, spread);
+    const IntrinsicsMatrix covariance = result.information.inverse();
+    result.pixel_rms = pixelUncertainty(kCamera, covariance).rms;
+    return result;
+  };
+  queue.offer(scored(1, 0, 10, 1.0), kCamera);
+  queue.offer(scored(2, 20, 30, 1.0), kCamera);
+  const double joint = 1.0 / std::sqrt(2.0);
+  EXPECT_FALSE(queue.consider(scored(3, 5, 25, 1.01 * kAlpha * joint), kCamera).accepted);
+  EXPECT_TRUE(queue.consider(scored(3, 5, 25, 0.99 * kAlpha * joint), kCamera).accepted);
+}
+
+TEST(SegmentQueue, ScoresHaveNames) {
+  for (const ScoreKind kind : {ScoreKind::kEntropy, ScoreKind::kPixel}) {
+    EXPECT_EQ(scoreKindFromString(toString(kind)), kind);
+  }
+  EXPECT_FALSE(scoreKindFromString("determinant"));
 }
 
 TEST(SegmentQueue, ConsideringChangesNothing) {

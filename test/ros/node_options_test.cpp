@@ -19,13 +19,14 @@ TEST(NodeOptions, ListsAllViolationsAtOnce) {
   NodeOptions options;
   options.model = "fisheye62";
   options.image_transport = "theora";
+  options.score = "determinant";
   options.world_frame = "";
   options.min_publish_change_px = -1.0;
   options.path_poses = 0;
   options.pipeline.alpha = 2.0;
   const std::vector<std::string> problems = options.problems();
   for (const char* word :
-       {"fisheye62", "theora", "world_frame", "min_publish_change_px", "path_poses", "alpha"}) {
+       {"fisheye62", "theora", "determinant", "world_frame", "min_publish_change_px", "path_poses", "alpha"}) {
     EXPECT_TRUE(mentions(problems, word)) << word;
   }
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/calibration/segment_queue.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/tracking/keyframe_rule.h"
 #include "camera_self_calibration/tracking/tracker.h"
@@ -28,6 +29,7 @@ struct Options {
   bool exact_references = false;
   int startup_keyframes = 30;  ///< At most, in the startup batch.
   double alpha = 0.95;         ///< Update rule of the queue, in (0, 1) (section II-B).
+  ScoreKind score = ScoreKind::kEntropy;  ///< What makes one segment better than another.
   /// Hand-over from the startup batch also below this normalised entropy [nats]; -infinity: only by
   /// pixel uncertainty.
   double handover_entropy = -std::numeric_limits<double>::infinity();

@@ -13,6 +13,7 @@ namespace camera_self_calibration {
 struct NodeOptions {
   Options pipeline;
   std::string model = "fov";  ///< Name of pipeline.model.
+  std::string score = "entropy";  ///< Name of pipeline.score.
   /// Start values in the order of the model's parameters; empty: a guess from the image size.
   std::vector<double> initial_intrinsics;
 
