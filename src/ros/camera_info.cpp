@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/camera/rational_fit.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -31,12 +32,43 @@ sensor_msgs::CameraInfo exactInfo(const Camera& camera) {
   return info;
 }
 
+std::optional<CameraInfoConversion> rationalInfo(const Camera& camera) {
+  const std::optional<RationalFit> fit = fitRationalPolynomial(camera);
+  if (!fit) return std::nullopt;
+  const RationalPolynomial& fitted = fit->camera;
+  sensor_msgs::CameraInfo info = uncalibratedCameraInfo(camera.width(), camera.height());
+  info.distortion_model = sensor_msgs::distortion_models::RATIONAL_POLYNOMIAL;
+  info.D.assign(fitted.coefficients.begin(), fitted.coefficients.end());
+  Intrinsics k(4);
+  k << fitted.fx, fitted.fy, fitted.cx, fitted.cy;
+  setMatrices(k, &info);
+  return CameraInfoConversion{info, fit->error};
+}
+
+/// The model that is written, and that a camera of another one is fitted with.
+CameraModel writtenModel(CameraModel model, OutputModel output) {
+  const bool polynomial = model == CameraModel::kPinhole || model == CameraModel::kRadtan;
+  if (output == OutputModel::kEquidistant) return CameraModel::kEquidistant;
+  if (output == OutputModel::kPlumbBob) return polynomial ? model : CameraModel::kRadtan;
+  return polynomial ? model : CameraModel::kEquidistant;
+}
+
 }  // namespace
 
-std::optional<CameraInfoConversion> toCameraInfo(const Camera& camera) {
+std::optional<OutputModel> outputModelFromString(const std::string& name) {
+  if (name == "auto") return OutputModel::kAuto;
+  if (name == "plumb_bob") return OutputModel::kPlumbBob;
+  if (name == "rational_polynomial") return OutputModel::kRationalPolynomial;
+  if (name == "equidistant") return OutputModel::kEquidistant;
+  return std::nullopt;
+}
+
+std::optional<CameraInfoConversion> toCameraInfo(const Camera& camera, OutputModel output) {
   if (!camera.valid()) return std::nullopt;
-  if (camera.model() != CameraModel::kFov) return CameraInfoConversion{exactInfo(camera), {}};
-  const std::optional<CameraFit> fit = fitCamera(camera, CameraModel::kEquidistant);
+  if (output == OutputModel::kRationalPolynomial) return rationalInfo(camera);
+  const CameraModel model = writtenModel(camera.model(), output);
+  if (model == camera.model()) return CameraInfoConversion{exactInfo(camera), {}};
+  const std::optional<CameraFit> fit = fitCamera(camera, model);
   if (!fit) return std::nullopt;
   return CameraInfoConversion{exactInfo(fit->camera), fit->error};
 }

@@ -1,23 +1,100 @@
 #include "camera_self_calibration/ros/camera_info_policy.h"
 
-namespace camera_self_calibration {
+#include <cmath>
+#include <cstdio>
 
-void CameraInfoPolicy::update(const CalibrationReport& report) {
-  const bool usable = report.state == CalibrationState::kConverged;
+namespace camera_self_calibration {
+namespace {
+
+std::string format(const char* text, const std::string& model, double px) {
+  char buffer[300];
+  std::snprintf(buffer, sizeof(buffer), text, model.c_str(), px);
+  return buffer;
+}
+
+}  // namespace
+
+bool CameraInfoPolicy::usable(const CalibrationReport& report) const {
+  if (report.state == CalibrationState::kConverged) return true;
+  const bool estimated = report.covariance.rows() > 0 && std::isfinite(report.uncertainty.rms);
+  return options_.publish_uncalibrated && estimated &&
+         report.state != CalibrationState::kDegenerate;
+}
+
+// Until there is an estimate of this image size, what is known from another one stays.
+bool CameraInfoPolicy::keeps(const CalibrationReport& report) {
+  if (!inherited_) return false;
+  if (!inherited_epoch_known_) inherited_epoch_ = report.epoch;
+  inherited_epoch_known_ = true;
+  return report.epoch == inherited_epoch_;
+}
+
+std::string CameraInfoPolicy::update(const CalibrationReport& report) {
+  const bool converged = report.state == CalibrationState::kConverged;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (!usable) {
+    const bool kept = keeps(report);
+    if (kept && !converged) return {};
+    if (!usable(report)) {
       camera_.reset();
       published_.reset();
-      return;
+      inherited_ = false;
+      obstacle_.clear();
+      return {};
     }
-    if (camera_ && !(pixelDistance(*camera_, report.camera).rms > min_change_px_)) return;
+    const bool same = camera_ && camera_->width() == report.camera.width() &&
+                      camera_->height() == report.camera.height();
+    if (same && !(pixelDistance(*camera_, report.camera).rms > options_.min_change_px)) {
+      inherited_ = false;
+      return {};
+    }
   }
-  // Unlocked, since images must not wait for the fit; only this thread changes what is published.
-  const std::optional<CameraInfoConversion> conversion = toCameraInfo(report.camera);
+  return publish(report.camera, converged);
+}
+
+void CameraInfoPolicy::inherit(const Camera& camera) {
+  publish(camera, true);
   const std::lock_guard<std::mutex> lock(mutex_);
-  camera_ = report.camera;
-  published_ = conversion;
+  inherited_ = published_.has_value();
+  inherited_epoch_known_ = false;
+}
+
+// Unlocked while it fits, since images must not wait; only this thread changes what is published.
+std::string CameraInfoPolicy::publish(const Camera& camera, bool converged) {
+  std::optional<CameraInfoConversion> conversion = toCameraInfo(camera, options_.model);
+  std::string warning;
+  if (!conversion || !std::isfinite(conversion->error.max)) {
+    warning = "The " + toString(camera.model()) +
+              " lens cannot be expressed in the output_distortion_model over the whole image, so "
+              "that camera_info stays zero; set output_distortion_model to auto.";
+    conversion.reset();
+  } else if (conversion->error.max > kConversionWarning) {
+    warning = format(
+        "The published camera_info (%s) deviates from the estimated lens by up to %.2f px; another "
+        "output_distortion_model may be closer.",
+        conversion->info.distortion_model, conversion->error.max);
+  }
+  if (conversion) setProjection(converged, &conversion->info);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  camera_ = camera;
+  obstacle_ = conversion ? "" : warning;
+  published_ = std::move(conversion);
+  inherited_ = false;
+  return warning;
+}
+
+void CameraInfoPolicy::setProjection(bool converged, sensor_msgs::CameraInfo* info) {
+  if (!options_.fixed_projection) return;
+  if (fixed_ && fixed_->width == info->width && fixed_->height == info->height) {
+    info->P = fixed_->P;
+  } else if (converged) {
+    fixed_ = *info;
+  }
+}
+
+std::optional<Camera> CameraInfoPolicy::published() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return published_ ? camera_ : std::nullopt;
 }
 
 sensor_msgs::CameraInfo CameraInfoPolicy::infoFor(const std_msgs::Header& header, int width,
@@ -33,9 +110,15 @@ sensor_msgs::CameraInfo CameraInfoPolicy::infoFor(const std_msgs::Header& header
   return info;
 }
 
-std::optional<PixelError> CameraInfoPolicy::conversionError() const {
+CameraInfoState CameraInfoPolicy::state() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return published_ ? std::optional<PixelError>(published_->error) : std::nullopt;
+  CameraInfoState state;
+  state.obstacle = obstacle_;
+  if (!published_) return state;
+  state.distortion_model = published_->info.distortion_model;
+  state.error = published_->error;
+  state.inherited = inherited_;
+  return state;
 }
 
 }  // namespace camera_self_calibration

@@ -83,17 +83,28 @@ void Diagnostics::calibration(Status& status) {
   status.add("pixel uncertainty max [px]", report_.uncertainty.max);
   status.add("revision", report_.revision);
   status.add("epoch", report_.epoch);
-  const std::optional<PixelError> conversion = camera_info_->conversionError();
-  if (!conversion) {
-    status.add("camera_info", "zeros until CONVERGED");
+  addCameraInfo(&status);
+}
+
+void Diagnostics::addCameraInfo(Status* status) const {
+  const CameraInfoState info = camera_info_->state();
+  if (!info.obstacle.empty()) status->mergeSummary(DiagnosticStatus::ERROR, info.obstacle);
+  if (info.distortion_model.empty()) {
+    status->add("camera_info", "zeros: not calibrated");
     return;
   }
-  status.add("camera_info", "published");
-  status.add("camera_info conversion error max [px]", conversion->max);
-  constexpr double kWarnPx = 0.1;
-  if (conversion->max > kWarnPx) {
-    status.mergeSummary(DiagnosticStatus::WARN,
-                        "The standard distortion model deviates from the estimated one.");
+  status->add("camera_info", info.distortion_model);
+  status->add("camera_info conversion error rms [px]", info.error.rms);
+  status->add("camera_info conversion error max [px]", info.error.max);
+  if (info.inherited) {
+    status->mergeSummary(DiagnosticStatus::OK,
+                         "camera_info goes out, rescaled from the former image size.");
+  }
+  if (info.error.max > CameraInfoPolicy::kConversionWarning) {
+    status->mergeSummaryf(DiagnosticStatus::WARN,
+                          "The published %s deviates from the estimated lens by up to %.2f px; "
+                          "another output_distortion_model may be closer.",
+                          info.distortion_model.c_str(), info.error.max);
   }
 }
 

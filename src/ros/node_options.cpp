@@ -1,5 +1,7 @@
 #include "camera_self_calibration/ros/node_options.h"
 
+#include "camera_self_calibration/ros/camera_info.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -56,6 +58,9 @@ void readInterface(Reader& read, NodeOptions* options) {
   read("publish_tf", &options->publish_tf);
   read("invert_tf", &options->invert_tf);
   read("min_publish_change_px", &options->min_publish_change_px);
+  read("publish_uncalibrated", &options->publish_uncalibrated);
+  read("output_distortion_model", &options->output_distortion_model);
+  read("projection", &options->projection);
   read("path_poses", &options->path_poses);
 }
 
@@ -86,6 +91,13 @@ std::vector<std::string> NodeOptions::problems() const {
   if (image_transport != "raw" && image_transport != "compressed" && image_transport != "auto") {
     problems.push_back("image_transport is '" + image_transport +
                        "'; it must be raw, compressed or auto");
+  }
+  if (!outputModelFromString(output_distortion_model)) {
+    problems.push_back("output_distortion_model is '" + output_distortion_model +
+                       "'; it must be auto, plumb_bob, rational_polynomial or equidistant");
+  }
+  if (projection != "follow" && projection != "fixed") {
+    problems.push_back("projection is '" + projection + "'; it must be follow or fixed");
   }
   if (world_frame.empty()) problems.push_back("world_frame must not be empty");
   if (publish_tf && world_frame == child_frame) {

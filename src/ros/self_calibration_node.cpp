@@ -12,6 +12,16 @@ std::optional<Camera> initialCamera(const NodeOptions& options, int width, int h
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
 }
 
+CameraInfoOptions cameraInfoOptions(const NodeOptions& options) {
+  CameraInfoOptions result;
+  result.min_change_px = options.min_publish_change_px;
+  result.model =
+      outputModelFromString(options.output_distortion_model).value_or(OutputModel::kAuto);
+  result.publish_uncalibrated = options.publish_uncalibrated;
+  result.fixed_projection = options.projection == "fixed";
+  return result;
+}
+
 }  // namespace
 
 SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
@@ -20,7 +30,7 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
     : node_(node), private_node_(private_node) {
   const NodeOptionsReading reading = readNodeOptions(private_node_);
   options_ = reading.options;
-  camera_info_policy_ = std::make_unique<CameraInfoPolicy>(options_.min_publish_change_px);
+  camera_info_policy_ = std::make_unique<CameraInfoPolicy>(cameraInfoOptions(options_));
   diagnostics_ =
       std::make_unique<Diagnostics>(node_, private_node_, name, camera_info_policy_.get());
   input_ = std::make_unique<ImageInput>(node_, node_.resolveName("image"), options_.image_transport,
@@ -80,7 +90,8 @@ Callbacks SelfCalibrationNode::callbacks() {
     results_->publish(result, dropped);
   };
   callbacks.calibration = [this](const CalibrationReport& report) {
-    camera_info_policy_->update(report);
+    const std::string warning = camera_info_policy_->update(report);
+    if (!warning.empty()) ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
     diagnostics_->update(report);
     results_->publish(report);
   };

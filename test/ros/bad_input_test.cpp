@@ -143,20 +143,31 @@ TEST_F(BadInput, DamagedCompressedImagesAreNamed) {
 /// Every parameter as text, in the order of config/parameters.yaml.
 std::vector<std::string> valuesOf(const NodeOptions& options) {
   const Options& pipeline = options.pipeline;
-  std::vector<std::string> values = {options.model, toString(pipeline.model),
+  std::vector<std::string> values = {options.model,           toString(pipeline.model),
                                      options.image_transport, options.world_frame,
-                                     options.child_frame};
+                                     options.child_frame,     options.output_distortion_model,
+                                     options.projection};
   for (const double value : options.initial_intrinsics) values.push_back(std::to_string(value));
-  for (const double value :
-       {options.publish_tf ? 1.0 : 0.0, options.invert_tf ? 1.0 : 0.0,
-        options.min_publish_change_px, 1.0 * options.path_poses,
-        1.0 * pipeline.tracker.max_features, pipeline.tracker.min_distance_px,
-        pipeline.keyframe.min_parallax, pipeline.keyframe.min_rotation_deg,
-        pipeline.keyframe.min_tracked_share, 1.0 * pipeline.sliding_window_keyframes,
-        1.0 * pipeline.segment_keyframes, 1.0 * pipeline.queue_segments,
-        1.0 * pipeline.startup_keyframes, pipeline.exact_references ? 1.0 : 0.0,
-        pipeline.handover_entropy, pipeline.alpha, pipeline.converged_pixel_rms,
-        1.0 * pipeline.solver_threads, 1.0 * pipeline.max_queued_images}) {
+  for (const double value : {options.publish_uncalibrated ? 1.0 : 0.0,
+                             options.publish_tf ? 1.0 : 0.0,
+                             options.invert_tf ? 1.0 : 0.0,
+                             options.min_publish_change_px,
+                             1.0 * options.path_poses,
+                             1.0 * pipeline.tracker.max_features,
+                             pipeline.tracker.min_distance_px,
+                             pipeline.keyframe.min_parallax,
+                             pipeline.keyframe.min_rotation_deg,
+                             pipeline.keyframe.min_tracked_share,
+                             1.0 * pipeline.sliding_window_keyframes,
+                             1.0 * pipeline.segment_keyframes,
+                             1.0 * pipeline.queue_segments,
+                             1.0 * pipeline.startup_keyframes,
+                             pipeline.exact_references ? 1.0 : 0.0,
+                             pipeline.handover_entropy,
+                             pipeline.alpha,
+                             pipeline.converged_pixel_rms,
+                             1.0 * pipeline.solver_threads,
+                             1.0 * pipeline.max_queued_images}) {
     values.push_back(std::to_string(value));
   }
   return values;
@@ -171,9 +182,10 @@ TEST(ReadNodeOptions, TheParameterFileHoldsTheDefaults) {
 TEST(ReadNodeOptions, EveryParameterOfTheFileIsRead) {
   const NodeOptionsReading reading = readNodeOptions(ros::NodeHandle("/others"));
   EXPECT_TRUE(reading.problems.empty());
-  std::vector<std::string> expected = {"plumb_bob", "radtan", "raw", "here", "eye"};
+  std::vector<std::string> expected = {"plumb_bob",           "radtan", "raw", "here", "eye",
+                                       "rational_polynomial", "fixed"};
   for (const double value :
-       {400.0, 401.0, 320.0, 240.0, -0.2, 0.1, 0.0, 0.0,  0.01, 0.0,   1.0, 0.5, 7.0, 99.0,
+       {400.0, 401.0, 320.0, 240.0, -0.2, 0.1, 0.0, 0.0,  0.01, 1.0,   0.0, 1.0, 0.5, 7.0, 99.0,
         9.5,   0.02,  4.0,   0.6,   8.0,  9.0, 6.0, 21.0, 1.0,  -30.5, 0.9, 0.4, 3.0, 5.0}) {
     expected.push_back(std::to_string(value));
   }

@@ -14,27 +14,33 @@ CalibrationReport report(CalibrationState state, double focal_length) {
   return result;
 }
 
+CameraInfoOptions deadband(double px) {
+  CameraInfoOptions options;
+  options.min_change_px = px;
+  return options;
+}
+
 double publishedFocalLength(const CameraInfoPolicy& policy) {
   return policy.infoFor(std_msgs::Header(), 640, 480).K[0];
 }
 
 TEST(CameraInfoPolicy, ZerosUntilConverged) {
-  CameraInfoPolicy policy(0.1);
+  CameraInfoPolicy policy{CameraInfoOptions()};
   EXPECT_EQ(publishedFocalLength(policy), 0.0);
   for (const CalibrationState state :
        {CalibrationState::kWaitingForMotion, CalibrationState::kInitializing,
         CalibrationState::kConverging, CalibrationState::kDegenerate}) {
     policy.update(report(state, 500.0));
     EXPECT_EQ(publishedFocalLength(policy), 0.0);
-    EXPECT_FALSE(policy.conversionError());
+    EXPECT_EQ(policy.state().distortion_model, "");
   }
   policy.update(report(CalibrationState::kConverged, 500.0));
   EXPECT_EQ(publishedFocalLength(policy), 500.0);
-  EXPECT_TRUE(policy.conversionError());
+  EXPECT_EQ(policy.state().distortion_model, "plumb_bob");
 }
 
 TEST(CameraInfoPolicy, SmallChangesDoNotGoOutUntilTheyAddUp) {
-  CameraInfoPolicy policy(0.5);
+  CameraInfoPolicy policy(deadband(0.5));
   policy.update(report(CalibrationState::kConverged, 500.0));
   policy.update(report(CalibrationState::kConverged, 500.5));
   EXPECT_EQ(publishedFocalLength(policy), 500.0);
@@ -45,7 +51,7 @@ TEST(CameraInfoPolicy, SmallChangesDoNotGoOutUntilTheyAddUp) {
 }
 
 TEST(CameraInfoPolicy, AChangeOfTheCameraWithdrawsIt) {
-  CameraInfoPolicy policy(100.0);
+  CameraInfoPolicy policy(deadband(100.0));
   policy.update(report(CalibrationState::kConverged, 500.0));
   policy.update(report(CalibrationState::kInitializing, 500.0));
   EXPECT_EQ(publishedFocalLength(policy), 0.0);
@@ -54,7 +60,7 @@ TEST(CameraInfoPolicy, AChangeOfTheCameraWithdrawsIt) {
 }
 
 TEST(CameraInfoPolicy, CarriesTheHeaderAndOnlyItsOwnSize) {
-  CameraInfoPolicy policy(0.1);
+  CameraInfoPolicy policy{CameraInfoOptions()};
   policy.update(report(CalibrationState::kConverged, 500.0));
   std_msgs::Header header;
   header.stamp = ros::Time(12, 34);
@@ -65,6 +71,86 @@ TEST(CameraInfoPolicy, CarriesTheHeaderAndOnlyItsOwnSize) {
   const sensor_msgs::CameraInfo other = policy.infoFor(header, 320, 240);
   EXPECT_EQ(other.K[0], 0.0);
   EXPECT_EQ(other.width, 320u);
+}
+
+TEST(CameraInfoPolicy, EstimatesBeforeConvergedGoOutOnlyWhereAskedFor) {
+  CameraInfoOptions options;
+  options.publish_uncalibrated = true;
+  CameraInfoPolicy policy(options);
+  CalibrationReport estimate = report(CalibrationState::kConverging, 500.0);
+  policy.update(estimate);
+  EXPECT_EQ(publishedFocalLength(policy), 0.0) << "there is no estimate yet";
+  estimate.covariance = IntrinsicsMatrix::Identity(4, 4);
+  estimate.uncertainty = {3.0, 5.0};
+  policy.update(estimate);
+  EXPECT_EQ(publishedFocalLength(policy), 500.0);
+  estimate.state = CalibrationState::kDegenerate;
+  policy.update(estimate);
+  EXPECT_EQ(publishedFocalLength(policy), 0.0);
+}
+
+TEST(CameraInfoPolicy, AFixedProjectionKeepsThatOfTheFirstConvergedCalibration) {
+  CameraInfoOptions options;
+  options.fixed_projection = true;
+  options.publish_uncalibrated = true;
+  CameraInfoPolicy policy(options);
+  CalibrationReport provisional = report(CalibrationState::kConverging, 300.0);
+  provisional.covariance = IntrinsicsMatrix::Identity(4, 4);
+  provisional.uncertainty = {3.0, 5.0};
+  policy.update(provisional);
+  EXPECT_EQ(policy.infoFor(std_msgs::Header(), 640, 480).P[0], 300.0);
+  policy.update(report(CalibrationState::kConverged, 500.0));
+  policy.update(report(CalibrationState::kConverged, 510.0));
+  const sensor_msgs::CameraInfo info = policy.infoFor(std_msgs::Header(), 640, 480);
+  EXPECT_EQ(info.K[0], 510.0);
+  EXPECT_EQ(info.P[0], 500.0);
+  EXPECT_EQ(info.P[5], 500.0);
+}
+
+TEST(CameraInfoPolicy, WarnsOfAConversionThatErrs) {
+  Intrinsics values(5);
+  values << 400.0, 400.0, 319.5, 239.5, 0.9;
+  CalibrationReport wide = report(CalibrationState::kConverged, 500.0);
+  wide.camera = Camera(CameraModel::kFov, 640, 480, values);
+  CameraInfoOptions options;
+  EXPECT_EQ(CameraInfoPolicy(options).update(wide), "") << "equidistant is close enough";
+  options.model = OutputModel::kPlumbBob;
+  CameraInfoPolicy policy(options);
+  EXPECT_NE(policy.update(wide).find("px"), std::string::npos);
+  EXPECT_EQ(policy.state().distortion_model, "plumb_bob");
+  EXPECT_GT(policy.state().error.max, CameraInfoPolicy::kConversionWarning);
+}
+
+TEST(CameraInfoPolicy, ZerosWhereTheDistortionModelCannotHoldTheLens) {
+  Intrinsics values(8);
+  values << 190.0, 190.0, 319.5, 239.5, 0.0, 0.0, 0.0, 0.0;
+  CalibrationReport fisheye = report(CalibrationState::kConverged, 500.0);
+  fisheye.camera = Camera(CameraModel::kEquidistant, 640, 480, values);
+  CameraInfoOptions options;
+  options.model = OutputModel::kRationalPolynomial;
+  CameraInfoPolicy policy(options);
+  EXPECT_NE(policy.update(fisheye).find("output_distortion_model"), std::string::npos);
+  EXPECT_EQ(publishedFocalLength(policy), 0.0);
+  EXPECT_FALSE(policy.state().obstacle.empty());
+}
+
+TEST(CameraInfoPolicy, AnInheritedCalibrationHoldsUntilThereIsAnEstimateOrAChange) {
+  CameraInfoPolicy policy{CameraInfoOptions()};
+  const Camera known = report(CalibrationState::kConverged, 500.0).camera;
+  policy.inherit(known);
+  EXPECT_TRUE(policy.state().inherited);
+  policy.update(report(CalibrationState::kInitializing, 400.0));
+  EXPECT_EQ(publishedFocalLength(policy), 500.0);
+  policy.update(report(CalibrationState::kConverged, 502.0));
+  EXPECT_EQ(publishedFocalLength(policy), 502.0);
+  EXPECT_FALSE(policy.state().inherited);
+
+  policy.inherit(known);
+  policy.update(report(CalibrationState::kInitializing, 400.0));
+  CalibrationReport changed = report(CalibrationState::kInitializing, 400.0);
+  changed.epoch = 1;
+  policy.update(changed);
+  EXPECT_EQ(publishedFocalLength(policy), 0.0) << "another lens";
 }
 
 }  // namespace

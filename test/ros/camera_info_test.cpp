@@ -63,6 +63,40 @@ TEST(CameraInfo, FovGoesOutAsEquidistantWithinTheStatedError) {
   }
 }
 
+TEST(CameraInfo, GoesOutInTheModelAskedForWithItsError) {
+  const Camera fov = makeCamera(CameraModel::kFov, {311, 310, 327, 233, 0.93});
+  const Camera radtan =
+      makeCamera(CameraModel::kRadtan, {421, 422, 354, 252, -0.33, 0.16, 0.001, -0.002});
+  const auto rational = toCameraInfo(fov, OutputModel::kRationalPolynomial);
+  ASSERT_TRUE(rational);
+  EXPECT_EQ(rational->info.distortion_model, "rational_polynomial");
+  EXPECT_EQ(rational->info.D.size(), 8u);
+  EXPECT_GT(rational->error.max, 0.0);
+  EXPECT_LT(rational->error.max, 0.1);
+  const auto plumb_bob = toCameraInfo(fov, OutputModel::kPlumbBob);
+  ASSERT_TRUE(plumb_bob);
+  EXPECT_EQ(plumb_bob->info.distortion_model, "plumb_bob");
+  EXPECT_EQ(plumb_bob->info.D.size(), 5u);
+  EXPECT_GT(plumb_bob->error.max, 0.1) << "five coefficients are too few for such a lens";
+  const auto equidistant = toCameraInfo(radtan, OutputModel::kEquidistant);
+  ASSERT_TRUE(equidistant);
+  EXPECT_EQ(equidistant->info.distortion_model, "equidistant");
+  EXPECT_GT(equidistant->error.max, 0.0) << "it has no tangential terms";
+  const auto exact = toCameraInfo(radtan, OutputModel::kRationalPolynomial);
+  ASSERT_TRUE(exact);
+  EXPECT_EQ(exact->error.max, 0.0);
+  EXPECT_EQ(exact->info.D, (std::vector<double>{-0.33, 0.16, 0.001, -0.002, 0, 0, 0, 0}));
+}
+
+TEST(CameraInfo, OnlyStandardNamesAreOutputModels) {
+  for (const char* name : {"auto", "plumb_bob", "rational_polynomial", "equidistant"}) {
+    EXPECT_TRUE(outputModelFromString(name)) << name;
+  }
+  for (const char* name : {"fov", "radtan", "", "thin_prism"}) {
+    EXPECT_FALSE(outputModelFromString(name)) << name;
+  }
+}
+
 TEST(CameraInfo, ReadsBackWhatItWrote) {
   for (const Camera& camera :
        {makeCamera(CameraModel::kPinhole, {500, 510, 320, 240}),

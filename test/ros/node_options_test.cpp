@@ -23,10 +23,13 @@ TEST(NodeOptions, ListsAllViolationsAtOnce) {
   options.world_frame = "";
   options.min_publish_change_px = -1.0;
   options.path_poses = 0;
+  options.output_distortion_model = "fov";
+  options.projection = "later";
   options.pipeline.alpha = 2.0;
   const std::vector<std::string> problems = options.problems();
   for (const char* word :
-       {"fisheye62", "theora", "determinant", "world_frame", "min_publish_change_px", "path_poses", "alpha"}) {
+       {"fisheye62", "theora", "determinant", "output_distortion_model", "projection",
+        "world_frame", "min_publish_change_px", "path_poses", "alpha"}) {
     EXPECT_TRUE(mentions(problems, word)) << word;
   }
 }

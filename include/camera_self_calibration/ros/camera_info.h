@@ -3,22 +3,36 @@
 #include <sensor_msgs/CameraInfo.h>
 
 #include <optional>
+#include <string>
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
 
+/// The standard distortion models; any other name stops image_geometry and with it image_proc.
+enum class OutputModel {
+  kAuto,  ///< pinhole and radtan as plumb_bob, equidistant and fov as equidistant.
+  kPlumbBob,
+  kRationalPolynomial,
+  kEquidistant
+};
+
+/// "auto", "plumb_bob", "rational_polynomial", "equidistant"; nothing for any other string.
+std::optional<OutputModel> outputModelFromString(const std::string& name);
+
 /// Intrinsics as consumers of ROS read them.
 struct CameraInfoConversion {
   sensor_msgs::CameraInfo info;  ///< Without header; R is the identity, P is [K | 0].
-  PixelError error;              ///< What the conversion costs [px]; 0 where it is exact.
+  /// What the conversion costs [px]; 0 where it is exact, infinite where the distortion model
+  /// cannot project all of the image.
+  PixelError error;
 };
 
-/// Standard names only, since others stop image_geometry: pinhole and radtan go out as "plumb_bob"
-/// (exact), equidistant as "equidistant" (exact), fov as the fitted "equidistant". Nothing where
-/// the fit is not possible or `camera` is not valid.
-std::optional<CameraInfoConversion> toCameraInfo(const Camera& camera);
+/// In the distortion model asked for: exact where it holds the camera's own, else the one that fits
+/// best. Nothing where the fit is not possible or `camera` is not valid.
+std::optional<CameraInfoConversion> toCameraInfo(const Camera& camera,
+                                                 OutputModel output = OutputModel::kAuto);
 
 /// All zeros but the size: "not calibrated" by the convention K[0] == 0.
 sensor_msgs::CameraInfo uncalibratedCameraInfo(int width, int height);

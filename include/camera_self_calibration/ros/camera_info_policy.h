@@ -4,32 +4,72 @@
 
 #include <mutex>
 #include <optional>
+#include <string>
 
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/ros/camera_info.h"
 
 namespace camera_self_calibration {
 
+struct CameraInfoOptions {
+  double min_change_px = 0.1;  ///< A new one must differ from the published one by more [px rms].
+  OutputModel model = OutputModel::kAuto;
+  bool publish_uncalibrated = false;  ///< Estimates before CONVERGED go out too, but no DEGENERATE.
+  /// P stays that of the first converged calibration, so that the rectified image keeps its
+  /// geometry while K and D are refined; else P follows K.
+  bool fixed_projection = false;
+};
+
+/// What was published last.
+struct CameraInfoState {
+  std::string distortion_model;  ///< Empty while zeros go out.
+  PixelError error;              ///< Of the conversion to it [px].
+  bool inherited = false;        ///< Rescaled from another image size, not estimated in this one.
+  /// Why zeros go out although there is a calibration; empty otherwise.
+  std::string obstacle;
+};
+
 /// Decides which CameraInfo goes out: zeros until CONVERGED, and a new estimate only if it differs
-/// visibly, since every change makes consumers rebuild their rectification maps. Thread-safe.
+/// visibly, since every change makes consumers rebuild their rectification maps. Thread-safe, but
+/// for update() and inherit(), which must not overlap each other.
 class CameraInfoPolicy {
  public:
-  /// `min_change_px`: rms distance to the published calibration [px].
-  explicit CameraInfoPolicy(double min_change_px) : min_change_px_(min_change_px) {}
+  /// A conversion that errs by more than this is worth a warning [px].
+  static constexpr double kConversionWarning = 0.1;
 
-  void update(const CalibrationReport& report);
+  explicit CameraInfoPolicy(const CameraInfoOptions& options) : options_(options) {}
+
+  /// A warning about what is published from now on; empty if there is nothing to warn about.
+  std::string update(const CalibrationReport& report);
+
+  /// Publishes a calibration known from elsewhere (another image size of the same camera) until an
+  /// estimate replaces it, or a change of the lens (a later epoch) shows that it no longer holds.
+  void inherit(const Camera& camera);
+
+  /// The calibration behind the published message; nothing while zeros go out.
+  std::optional<Camera> published() const;
 
   /// For an image of this header and size.
   sensor_msgs::CameraInfo infoFor(const std_msgs::Header& header, int width, int height) const;
 
-  /// What the published message deviates from the estimated model [px]; nothing while zeros go out.
-  std::optional<PixelError> conversionError() const;
+  CameraInfoState state() const;
 
  private:
-  const double min_change_px_;
+  bool usable(const CalibrationReport& report) const;
+  bool keeps(const CalibrationReport& report);
+  std::string publish(const Camera& camera, bool converged);
+  void setProjection(bool converged, sensor_msgs::CameraInfo* info);
+
+  const CameraInfoOptions options_;
+  std::optional<sensor_msgs::CameraInfo> fixed_;  // Its P and size hold.
+  std::uint64_t inherited_epoch_ = 0;
+  bool inherited_epoch_known_ = false;
+
   mutable std::mutex mutex_;
   std::optional<Camera> camera_;  // Behind published_.
   std::optional<CameraInfoConversion> published_;
+  bool inherited_ = false;
+  std::string obstacle_;
 };
 
 }  // namespace camera_self_calibration

@@ -45,6 +45,7 @@ class Diagnostics {
   void calibration(Status& status);
   void queue(Status& status);
   void timing(Status& status);
+  void addCameraInfo(Status* status) const;
   bool addProblems(Status* status) const;
 
   diagnostic_updater::Updater updater_;

@@ -23,7 +23,11 @@ struct NodeOptions {
   bool publish_tf = true;
   bool invert_tf = false;              ///< The camera's frame is the parent.
   double min_publish_change_px = 0.1;  ///< A CameraInfo is replaced if it differs by more [px rms].
-  int path_poses = 1000;               ///< Of ~path, at most.
+  bool publish_uncalibrated = false;   ///< Estimates before CONVERGED go out as CameraInfo too.
+  /// auto | plumb_bob | rational_polynomial | equidistant.
+  std::string output_distortion_model = "auto";
+  std::string projection = "follow";  ///< P of the CameraInfo: follow | fixed.
+  int path_poses = 1000;              ///< Of ~path, at most.
 
   /// Every violated bound in one sentence each, those of the pipeline included.
   std::vector<std::string> problems() const;
