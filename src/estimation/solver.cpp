@@ -122,6 +122,10 @@ void DogLeg::linearize() {
     scale_.intrinsics += diagonal.tail(count_);
     scale_.segments[i] = {diagonal.head(linear.poseColumns()), linear.landmarkDiagonal()};
   }
+  const Intrinsics& parameters = problem_.camera->parameters();
+  cost_ += problem_.prior.cost(parameters, count_);
+  gradient_.intrinsics += problem_.prior.gradient(parameters, count_);
+  scale_.intrinsics += problem_.prior.weights(count_);
   // A column without information has no gradient either: any positive scale serves.
   scale_.forEach([](auto& squares, std::size_t) {
     squares = squares.unaryExpr([](double s) { return s > 0.0 ? std::sqrt(s) : 1.0; }).eval();
@@ -133,8 +137,8 @@ bool DogLeg::gaussNewton() {
   parallelFor(options_.threads, blocks, [this](int i) { linear_[i].eliminate(damping_); });
   gauss_newton_.intrinsics.setZero(count_);
   if (count_ > 0) {
-    Eigen::MatrixXd reduced = Eigen::MatrixXd::Zero(count_, count_);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(count_);
+    Eigen::MatrixXd reduced = problem_.prior.weights(count_).asDiagonal();
+    Eigen::VectorXd right = problem_.prior.gradient(problem_.camera->parameters(), count_);
     for (const LinearSegment& linear : linear_) {
       reduced += linear.reducedHessian();
       right += linear.reducedGradient();
@@ -151,7 +155,7 @@ bool DogLeg::gaussNewton() {
 }
 
 double DogLeg::curvature(const Step& step) const {
-  double sum = 0.0;
+  double sum = step.intrinsics.cwiseAbs2().dot(problem_.prior.weights(count_));
   for (std::size_t i = 0; i < linear_.size(); ++i) {
     sum += linear_[i].curvature(step.segments[i], step.intrinsics);
   }
@@ -220,7 +224,7 @@ double DogLeg::evaluate() {
   parallelFor(options_.threads, static_cast<int>(costs_.size()), [this](int i) {
     costs_[i] = robustCost(problem_.blocks[i], *problem_.camera, options_.huber);
   });
-  double sum = 0.0;
+  double sum = problem_.prior.cost(problem_.camera->parameters(), count_);
   for (const double cost : costs_) sum += cost;
   return sum;
 }

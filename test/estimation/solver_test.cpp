@@ -176,6 +176,53 @@ TEST(Solve, ChangesNothingThatItCannotEstimate) {
   EXPECT_EQ(segment.keyframes.back().world_from_camera.translation, Eigen::Vector3d(1, 2, 3));
 }
 
+// A vague prior holds what nothing observes and leaves alone what is observed.
+TEST(Solve, PriorMattersOnlyWhereNothingIsObserved) {
+  const Camera truth = ordinaryCameras()[1];
+  for (const MotionKind motion : {MotionKind::kHandheld, MotionKind::kForwardOnly}) {
+    SegmentOptions options;
+    options.camera = truth;
+    options.motion = motion;
+    options.tracks.max_features = 60;
+    const SimulatedSegment made = makeSegment(options, 3);
+    std::vector<Camera> solved;
+    IntrinsicsMatrix information;
+    Camera guess = Camera::defaultGuess(truth.model(), truth.width(), truth.height());
+    const Intrinsics sigma = 0.1 * guess.parameters().cwiseAbs();
+    for (const bool has_prior : {false, true}) {
+      Segment segment = made.segment;
+      Camera camera = motion == MotionKind::kHandheld ? truth : guess;
+      Problem problem{&camera, true, {freeBlock(&segment, camera)}};
+      if (has_prior) problem.prior = {guess.parameters(), sigma};
+      EXPECT_TRUE(solve(problem, thorough()).usable);
+      information = marginalize(problem, 2.0).information;
+      solved.push_back(camera);
+    }
+    const Eigen::VectorXd moved = solved[1].parameters() - solved[0].parameters();
+    if (motion == MotionKind::kHandheld) {
+      EXPECT_LT(std::sqrt(moved.dot(information * moved)), 0.2) << "sigma";
+      EXPECT_GT(moved.norm(), 0.0);
+    } else {
+      const Eigen::VectorXd off = solved[1].parameters() - guess.parameters();
+      EXPECT_LT(off.cwiseQuotient(sigma).cwiseAbs().maxCoeff(), 3.0);
+    }
+  }
+}
+
+TEST(IntrinsicsPrior, GradientIsThatOfItsCost) {
+  const Camera camera = ordinaryCameras()[1];
+  const IntrinsicsPrior prior{Intrinsics::Constant(4, 100.0), Intrinsics::Constant(4, 20.0)};
+  const Intrinsics gradient = prior.gradient(camera.parameters(), 5);
+  for (int i = 0; i < 5; ++i) {
+    Intrinsics up = camera.parameters(), down = up;
+    up(i) += 1e-3;
+    down(i) -= 1e-3;
+    EXPECT_NEAR(gradient(i), -(prior.cost(up, 5) - prior.cost(down, 5)) / 2e-3, 1e-6);
+  }
+  EXPECT_EQ(prior.weights(5)(4), 0.0);
+  EXPECT_EQ(IntrinsicsPrior().cost(camera.parameters(), 5), 0.0);
+}
+
 TEST(FreeBlock, TakesTheBestDepthAmongTheMostSeen) {
   const Camera camera = ordinaryCameras()[1];
   SimulatedSegment made = smallSegment(camera, LandmarkOrigin::kAnchored, 0.0, 12, 6, 30);

@@ -15,11 +15,28 @@ struct SegmentBlock {
   double sigma_scale = 1.0;  ///< Multiplies every observation's sigma.
 };
 
+/// Vague knowledge of the intrinsics: independent normal errors. It keeps directions that nothing
+/// observes from running away, and is far too weak to matter in others. Entries beyond n_c are
+/// ignored; parameters beyond the entries have none. Empty: no prior.
+struct IntrinsicsPrior {
+  Intrinsics mean;
+  Intrinsics sigma;  ///< Positive.
+
+  /// `1 / sigma^2` of the first `count` parameters; 0 where there is no prior.
+  Intrinsics weights(int count) const;
+  /// `sum (x_c - mean)^2 / sigma^2 / 2` over the first `count` parameters.
+  double cost(const Intrinsics& parameters, int count) const;
+  /// Its negative gradient, `(mean - x_c) / sigma^2`; `count` entries.
+  Intrinsics gradient(const Intrinsics& parameters, int count) const;
+};
+
 /// Everything that is estimated together: the intrinsics are all that the segments share.
 struct Problem {
   Camera* camera = nullptr;
   bool estimate_intrinsics = true;
   std::vector<SegmentBlock> blocks;
+  IntrinsicsPrior prior =
+      {};  ///< For solve() alone: what marginalize() tells comes from observations.
 
   /// n_c, or 0 if the intrinsics are held.
   int intrinsicsCount() const { return estimate_intrinsics ? camera->estimatedCount() : 0; }
