@@ -70,6 +70,14 @@ void Map::clear() {
   points_.clear();
 }
 
+void Map::scale(double factor) {
+  for (Keyframe& keyframe : keyframes_) {
+    keyframe.world_from_camera.translation *= factor;
+    keyframe.velocity.head<3>() *= factor;
+  }
+  for (auto& [track_id, point] : points_) point.inverse_depth /= factor;
+}
+
 const Keyframe* Map::keyframe(std::int64_t id) const {
   const auto found = std::lower_bound(
       keyframes_.begin(), keyframes_.end(), id,

@@ -40,19 +40,83 @@ BackEndOutput BackEnd::process(const KeyframeMessage& message) {
   BackEndOutput output;
   report_.stamp_ns = message.candidate.endNs();
   report_.keyframes = message.keyframes;
-  changed_ = false;
   if (!handed_over_) runStartup(message);
   if (handed_over_ || startup_.usable()) offerCandidate(message);
   if (!handed_over_) considerHandover(report_.stamp_ns, &output.events);
   judge(report_.stamp_ns, &output.events);
+  return finish(std::move(output));
+}
+
+BackEndOutput BackEnd::finish(BackEndOutput output) {
   fillQueueReport();
   if (changed_) {
     ++report_.revision;
-    output.update = CalibrationUpdate{report_.camera, report_.revision, handed_over_, std::nullopt};
+    output.update.emplace();
+    output.update->camera = report_.camera;
+    output.update->generation = report_.revision;
+    output.update->handed_over = handed_over_;
     if (!handed_over_) output.update->solution = startup_.segment();
   }
+  changed_ = false;
   output.report = report_;
   return output;
+}
+
+BackEndOutput BackEnd::hold(const KeyframeMessage& message, const std::string& remark) {
+  BackEndOutput output;
+  if (message.keyframes > 0) {
+    report_.stamp_ns = message.candidate.endNs();
+    report_.keyframes = message.keyframes;
+  }
+  judge(report_.stamp_ns, &output.events);
+  output = finish(std::move(output));
+  output.report.sentence += remark;
+  return output;
+}
+
+bool BackEnd::restore(const LearntState& state) {
+  const Camera& own = report_.camera;
+  if (!state.problems().empty() || state.camera.model() != own.model() ||
+      state.camera.width() != own.width() || state.camera.height() != own.height()) {
+    return false;
+  }
+  BackEnd restored = *this;
+  restored.report_.camera = state.camera;
+  restored.report_.stamp_ns = state.stamp_ns;
+  restored.report_.keyframes = state.keyframes;
+  restored.report_.revision = state.revision;
+  restored.report_.epoch = state.epoch;
+  for (const Candidate& candidate : state.segments) restored.offer(candidate);
+  restored.handed_over_ = restored.report_.handed_over = true;
+  restored.solveQueue();
+  if (!restored.solution_.usable) return false;
+  restored.report_.queue.last_decision = "restored";
+  *this = restored;
+  return true;
+}
+
+BackEndOutput BackEnd::merge(const std::vector<Candidate>& candidates) {
+  bool accepted = false;
+  for (const Candidate& candidate : candidates) {
+    if (candidate.information.rows() != report_.camera.estimatedCount()) continue;
+    if (offer(candidate)) accepted = true;
+  }
+  if (accepted) solveQueue();
+  changed_ = true;
+  return hold(KeyframeMessage(), "");
+}
+
+std::shared_ptr<const LearntState> BackEnd::state() const {
+  if (!handed_over_) return nullptr;
+  auto state = std::make_shared<LearntState>();
+  state->camera = report_.camera;
+  state->state = report_.state;
+  state->stamp_ns = report_.stamp_ns;
+  state->keyframes = report_.keyframes;
+  state->revision = report_.revision;
+  state->epoch = report_.epoch;
+  state->segments = estimate_.candidates();
+  return state;
 }
 
 void BackEnd::runStartup(const KeyframeMessage& message) {
@@ -80,7 +144,10 @@ void BackEnd::clearQueue() {
 }
 
 void BackEnd::offerCandidate(const KeyframeMessage& message) {
-  Candidate candidate = evaluateCandidate(CandidateOptions(), message.candidate, report_.camera);
+  if (offer(evaluateCandidate(CandidateOptions(), message.candidate, report_.camera))) solveQueue();
+}
+
+bool BackEnd::offer(const Candidate& candidate) {
   SegmentScore score;
   score.sequence = candidate.segment.sequence;
   score.begin_ns = candidate.segment.beginNs();
@@ -93,11 +160,11 @@ void BackEnd::offerCandidate(const KeyframeMessage& message) {
   report_.queue.last_accepted = decision.accepted;
   report_.queue.last_decision =
       candidate.well_posed ? decision.reason : "refused: " + candidate.reason;
-  if (!decision.accepted) return;
+  if (!decision.accepted) return false;
   ++report_.queue.swaps;
   estimate_.remove(decision.replaced);
   estimate_.add(candidate);
-  solveQueue();
+  return true;
 }
 
 void BackEnd::solveQueue() {

@@ -22,10 +22,11 @@ SlidingWindowOptions windowOptions(const Options& options) {
 
 }  // namespace
 
-FrontEnd::FrontEnd(const Options& options, const Camera& camera)
+FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t first_keyframe)
     : options_(options),
       window_(windowOptions(options), camera),
-      keyframe_rule_(options.keyframe) {}
+      keyframe_rule_(options.keyframe),
+      keyframes_(first_keyframe) {}
 
 void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;
@@ -42,6 +43,21 @@ void FrontEnd::resetMap() {
   map_tracked_ = false;
   frames_without_pose_ = 0;
   last_motion_ = Rigid3();
+}
+
+void FrontEnd::restart(const Camera& camera, std::int64_t first_keyframe) {
+  window_ = SlidingWindow(windowOptions(options_), camera);
+  resetMap();
+  handed_over_ = false;
+  keyframes_ = first_keyframe;
+  world_from_camera_ = Rigid3();
+}
+
+void FrontEnd::scaleMap(double factor) {
+  window_.scale(factor);
+  world_from_camera_.translation *= factor;
+  last_motion_.translation *= factor;
+  ++map_id_;
 }
 
 FrontEndOutput FrontEnd::process(const TrackedFrame& frame,

@@ -57,6 +57,9 @@ class SlidingWindow {
   /// Forgets the map, keeps the camera.
   void clear() { map_.clear(); }
 
+  /// Multiplies all lengths of the map; `factor` > 0.
+  void scale(double factor) { map_.scale(factor); }
+
  private:
   std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
   double medianDepthOf(const Segment& solution, const Keyframe& newest) const;

@@ -48,6 +48,9 @@ class Map {
   void removePoints(const std::vector<std::int64_t>& track_ids);
   void clear();
 
+  /// Multiplies all lengths, about the origin of the world; `factor` > 0.
+  void scale(double factor);
+
   const std::deque<Keyframe>& keyframes() const { return keyframes_; }
   const std::map<std::int64_t, Point>& points() const { return points_; }
   /// Null if unknown.

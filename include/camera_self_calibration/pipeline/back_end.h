@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "camera_self_calibration/calibration/segment_queue.h"
 #include "camera_self_calibration/calibration/startup.h"
 #include "camera_self_calibration/pipeline/front_end.h"
+#include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
 
@@ -29,10 +31,37 @@ class BackEnd {
 
   BackEndOutput process(const KeyframeMessage& message);
 
+  /// Says what is known and that a keyframe came, but learns nothing from it. `remark` is added to
+  /// the sentence. The first time after a restore there is an update too.
+  BackEndOutput hold(const KeyframeMessage& message, const std::string& remark);
+
+  /// Takes over a saved queue and solves it again; false, and nothing changed, if it is of another
+  /// camera model or image size, or has no solution.
+  bool restore(const LearntState& state);
+
+  /// Offers segments scored elsewhere to the queue, after hand-over.
+  BackEndOutput merge(const std::vector<Candidate>& candidates);
+
+  /// All that was learnt; null until the queue has taken over.
+  std::shared_ptr<const LearntState> state() const;
+
+  /// Revisions go on after this one; the present estimate counts as a new one.
+  void continueAfter(std::uint64_t revision) {
+    report_.revision += revision;
+    changed_ = true;
+  }
+  void beginEpoch(std::uint64_t epoch) { report_.epoch = epoch; }
+
+  const CalibrationReport& report() const { return report_; }
+  const Startup& startup() const { return startup_; }
+  const std::vector<Candidate>& candidates() const { return estimate_.candidates(); }
+
  private:
   void runStartup(const KeyframeMessage& message);
   void clearQueue();
   void offerCandidate(const KeyframeMessage& message);
+  bool offer(const Candidate& candidate);
+  BackEndOutput finish(BackEndOutput output);
   void solveQueue();
   void adoptSolution();
   void considerHandover(std::int64_t stamp_ns, std::vector<Event>* events);

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "camera_self_calibration/calibration/sliding_window.h"
 #include "camera_self_calibration/map/segment.h"
+#include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/tracking/keyframe_rule.h"
@@ -14,10 +16,18 @@
 
 namespace camera_self_calibration {
 
+/// What learning starts from: at the first image, after a reset, from a saved state.
+struct Beginning {
+  std::uint64_t number = 0;  ///< Grows; what was learnt from an older one is void.
+  Camera camera;
+  std::shared_ptr<const LearntState> state;  ///< Null: nothing is known but `camera`.
+};
+
 /// From the back end to the front end: newest intrinsics.
 struct CalibrationUpdate {
   Camera camera;
   std::uint64_t generation = 0;
+  std::uint64_t beginning = 0;  ///< Beginning::number of what it was learnt from.
   bool handed_over = false;
   /// Startup: poses and depths solved together with the intrinsics.
   std::optional<Segment> solution;
@@ -25,6 +35,7 @@ struct CalibrationUpdate {
 
 /// From the front end to the back end, at a keyframe.
 struct KeyframeMessage {
+  std::shared_ptr<const Beginning> beginning;
   std::int64_t keyframes = 0;  ///< Count since the start.
   Segment candidate;           ///< The last n keyframes.
   Segment history;             ///< For the startup batch; empty after hand-over.
@@ -41,7 +52,8 @@ struct FrontEndOutput {
 /// Thread 1: from the tracks of one image to its pose, and at keyframes through the sliding window.
 class FrontEnd {
  public:
-  FrontEnd(const Options& options, const Camera& camera);
+  /// Keyframes are counted from `first_keyframe`.
+  FrontEnd(const Options& options, const Camera& camera, std::int64_t first_keyframe = 0);
 
   /// Frames in the order of time. `detect` is called when the frame becomes a keyframe.
   FrontEndOutput process(const TrackedFrame& frame,
@@ -51,6 +63,14 @@ class FrontEnd {
 
   /// Starts a new map at the next frame, from the last pose; the calibration stays.
   void resetMap();
+
+  /// Forgets the calibration too: a new map with these intrinsics, keyframes counted from
+  /// `first_keyframe`.
+  void restart(const Camera& camera, std::int64_t first_keyframe);
+
+  /// Multiplies all lengths of the map, which gets a new map_id since its poses no longer compare
+  /// with those before; `factor` > 0.
+  void scaleMap(double factor);
 
  private:
   void locate(const TrackedFrame& frame, FrontEndOutput* output);

@@ -71,6 +71,7 @@ struct CalibrationReport {
   std::uint64_t revision = 0;   ///< Grows with each new estimate.
   std::uint64_t epoch = 0;      ///< Grows with each change of the physical camera.
   bool handed_over = false;     ///< From the startup batch to the queue.
+  bool frozen = false;          ///< Kept as it is on request.
   std::int64_t keyframes = 0;   ///< Seen so far.
   QueueReport queue;
 };

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/tracking/image_view.h"
@@ -36,12 +37,38 @@ class SelfCalibrator {
   /// calibration stays.
   bool process(const ImageView& image);
 
-  /// The same with tracks from elsewhere (simulation). `detect` is called, inline only, when the
-  /// frame becomes a keyframe, and returns the tracks that start in it.
+  /// The same with tracks from elsewhere (simulation). `detect` is called when the frame becomes a
+  /// keyframe, and returns the tracks that start in it. Threaded, the caller takes the place of the
+  /// first thread, so that a calibrator takes either images or tracks: the second kind throws
+  /// std::logic_error.
   void processTracks(const TrackedFrame& frame, const std::function<std::vector<Track>()>& detect);
+
+  // What follows may be called from any thread and takes effect with the next image.
 
   /// Ends all tracks: the next image begins a new map. The calibration and the queue stay.
   void resetTracking();
+
+  /// Forgets everything and learns from the beginning: from the options' initial camera, or the
+  /// given one, which must be valid and of the options' model (else std::invalid_argument).
+  void reset();
+  void reset(const Camera& start);
+
+  /// Begins with what was learnt in an earlier run: CONVERGED at the first keyframe if it was then,
+  /// and re-checked against the images. What was learnt since the start is forgotten. Images of
+  /// another size are left out. Throws std::invalid_argument that lists state->problems(), or if it
+  /// is of another model.
+  void restore(const std::shared_ptr<const LearntState>& state);
+
+  /// All that was learnt; null until the queue has taken over.
+  std::shared_ptr<const LearntState> state() const;
+
+  /// Keeps the calibration as it is while tracking goes on; false where there is none to keep.
+  bool freeze(bool frozen);
+
+  /// Multiplies the lengths of the present map and of all poses to come by `factor`, as when the
+  /// true size of something is known. A new map_id tells that they no longer compare. False unless
+  /// TRACKING, or if the factor is not a positive number.
+  bool setScale(double factor);
 
   /// Threaded: waits until all enqueued images and keyframes are processed.
   void flush();

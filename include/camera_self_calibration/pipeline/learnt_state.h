@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/calibration/candidate_window.h"
+#include "camera_self_calibration/calibration/health.h"
+#include "camera_self_calibration/camera/camera.h"
+
+namespace camera_self_calibration {
+
+/// All that was learnt of a camera, so that the next start need not learn it again: the queue's
+/// segments and the estimate that rests on them.
+struct LearntState {
+  Camera camera;
+  CalibrationState state = CalibrationState::kWaitingForMotion;
+  std::int64_t stamp_ns = 0;  ///< Of the newest image that it rests on.
+  std::int64_t keyframes = 0;
+  std::uint64_t revision = 0;
+  std::uint64_t epoch = 0;
+  std::vector<Candidate> segments;  ///< Of the queue, solved.
+
+  /// Every reason why it cannot be used, in words; empty if it can.
+  std::vector<std::string> problems() const;
+};
+
+/// A versioned binary text with a checksum, the same on every machine.
+std::string encode(const LearntState& state);
+
+/// Either a state or, in words, why there is none.
+struct DecodedState {
+  std::shared_ptr<const LearntState> state;
+  std::string error;  ///< Empty if there is a state.
+};
+
+/// Foreign, damaged, cut off or from a newer version: an error, never a crash or a wrong state.
+DecodedState decodeState(const std::string& bytes);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,248 @@
+#include "camera_self_calibration/pipeline/learnt_state.h"
+
+#include <cmath>
+
+#include "byte_stream.h"
+
+namespace camera_self_calibration {
+namespace {
+
+const std::string kMagic = "camera_self_calibration state\n";
+constexpr std::uint64_t kVersion = 1;
+constexpr std::size_t kChecksumBytes = 8;
+constexpr int kModels = 4;
+constexpr int kStates = 5;
+
+/// FNV-1a: finds damage, not malice.
+std::uint64_t checksum(const char* bytes, std::size_t size) {
+  std::uint64_t hash = 14695981039346656037ULL;
+  for (std::size_t i = 0; i < size; ++i) {
+    hash = (hash ^ static_cast<unsigned char>(bytes[i])) * 1099511628211ULL;
+  }
+  return hash;
+}
+
+void write(const Camera& camera, ByteWriter* out) {
+  out->integer(static_cast<std::uint64_t>(camera.model()));
+  out->integer(static_cast<std::uint64_t>(camera.width()));
+  out->integer(static_cast<std::uint64_t>(camera.height()));
+  out->matrix(camera.parameters());
+  out->integer(static_cast<std::uint64_t>(camera.estimatedCount()));
+}
+
+void write(const Keyframe& keyframe, ByteWriter* out) {
+  out->integer(static_cast<std::uint64_t>(keyframe.id));
+  out->integer(static_cast<std::uint64_t>(keyframe.stamp_ns));
+  for (int i = 0; i < 4; ++i) out->real(keyframe.world_from_camera.rotation.coeffs()(i));
+  for (int i = 0; i < 3; ++i) out->real(keyframe.world_from_camera.translation(i));
+  for (int i = 0; i < 6; ++i) out->real(keyframe.velocity(i));
+  out->real(keyframe.row_time_s);
+  out->integer(keyframe.calibration_generation);
+}
+
+void write(const Landmark& landmark, ByteWriter* out) {
+  out->integer(static_cast<std::uint64_t>(landmark.track_id));
+  out->integer(static_cast<std::uint64_t>(landmark.reference));
+  out->integer(landmark.anchored ? 1 : 0);
+  for (int i = 0; i < 2; ++i) out->real(landmark.reference_pixel(i));
+  for (int i = 0; i < 3; ++i) out->real(landmark.bearing(i));
+  out->real(landmark.inverse_depth);
+}
+
+void write(const Observation& observation, ByteWriter* out) {
+  out->integer(static_cast<std::uint64_t>(observation.landmark));
+  out->integer(static_cast<std::uint64_t>(observation.keyframe));
+  for (int i = 0; i < 2; ++i) out->real(observation.pixel(i));
+  out->real(observation.sigma);
+}
+
+void write(const Candidate& candidate, ByteWriter* out);
+
+template <typename Item>
+void writeList(const std::vector<Item>& items, ByteWriter* out) {
+  out->integer(items.size());
+  for (const Item& item : items) write(item, out);
+}
+
+void write(const Candidate& candidate, ByteWriter* out) {
+  out->integer(static_cast<std::uint64_t>(candidate.segment.sequence));
+  writeList(candidate.segment.keyframes, out);
+  writeList(candidate.segment.landmarks, out);
+  writeList(candidate.segment.observations, out);
+  write(candidate.camera, out);
+  out->matrix(candidate.information);
+  for (const double value :
+       {candidate.sigma_scale, candidate.cost, candidate.entropy, candidate.uncertainty.rms,
+        candidate.uncertainty.max, candidate.residual_scale}) {
+    out->real(value);
+  }
+}
+
+Camera readCamera(ByteReader* in) {
+  const std::uint64_t model = in->integer();
+  const auto width = static_cast<int>(in->integer());
+  const auto height = static_cast<int>(in->integer());
+  const Eigen::MatrixXd parameters = in->matrix(kMaxIntrinsics, 1);
+  const std::uint64_t estimated = in->integer();
+  if (!in->ok() || model >= kModels) return Camera();
+  const auto type = static_cast<CameraModel>(model);
+  const int needed = Camera::parameterCount(type);
+  const bool with_k3 = type == CameraModel::kRadtan && parameters.size() == needed + 1;
+  if (parameters.cols() != 1 || (parameters.size() != needed && !with_k3)) return Camera();
+  Camera camera(type, width, height, parameters.col(0));
+  if (with_k3 && estimated == static_cast<std::uint64_t>(needed) + 1) camera.setEstimateK3(true);
+  return camera;
+}
+
+void read(ByteReader* in, Keyframe* keyframe) {
+  keyframe->id = static_cast<std::int64_t>(in->integer());
+  keyframe->stamp_ns = static_cast<std::int64_t>(in->integer());
+  for (int i = 0; i < 4; ++i) keyframe->world_from_camera.rotation.coeffs()(i) = in->real();
+  for (int i = 0; i < 3; ++i) keyframe->world_from_camera.translation(i) = in->real();
+  for (int i = 0; i < 6; ++i) keyframe->velocity(i) = in->real();
+  keyframe->row_time_s = in->real();
+  keyframe->calibration_generation = in->integer();
+}
+
+void read(ByteReader* in, Landmark* landmark) {
+  landmark->track_id = static_cast<std::int64_t>(in->integer());
+  landmark->reference = static_cast<int>(in->integer());
+  landmark->anchored = in->integer() != 0;
+  for (int i = 0; i < 2; ++i) landmark->reference_pixel(i) = in->real();
+  for (int i = 0; i < 3; ++i) landmark->bearing(i) = in->real();
+  landmark->inverse_depth = in->real();
+}
+
+void read(ByteReader* in, Observation* observation) {
+  observation->landmark = static_cast<int>(in->integer());
+  observation->keyframe = static_cast<int>(in->integer());
+  for (int i = 0; i < 2; ++i) observation->pixel(i) = in->real();
+  observation->sigma = in->real();
+}
+
+void read(ByteReader* in, Candidate* candidate);
+
+// Each item has at least five numbers of eight bytes.
+constexpr std::size_t kLeastItemBytes = 40;
+
+template <typename Item>
+void readList(ByteReader* in, std::vector<Item>* items) {
+  items->resize(in->count(kLeastItemBytes));
+  for (Item& item : *items) read(in, &item);
+}
+
+void read(ByteReader* in, Candidate* candidate) {
+  candidate->segment.sequence = static_cast<std::int64_t>(in->integer());
+  readList(in, &candidate->segment.keyframes);
+  readList(in, &candidate->segment.landmarks);
+  readList(in, &candidate->segment.observations);
+  candidate->camera = readCamera(in);
+  candidate->information = in->matrix(kMaxIntrinsics, kMaxIntrinsics);
+  for (double* value :
+       {&candidate->sigma_scale, &candidate->cost, &candidate->entropy, &candidate->uncertainty.rms,
+        &candidate->uncertainty.max, &candidate->residual_scale}) {
+    *value = in->real();
+  }
+  candidate->well_posed = true;  // as all in the queue
+}
+
+bool within(int index, std::size_t size) {
+  return index >= 0 && static_cast<std::size_t>(index) < size;
+}
+
+bool isSound(const Segment& segment) {
+  for (const Keyframe& keyframe : segment.keyframes) {
+    const Rigid3& pose = keyframe.world_from_camera;
+    if (!(std::abs(pose.rotation.norm() - 1.0) < 1e-6) || !pose.translation.allFinite()) {
+      return false;
+    }
+  }
+  for (const Landmark& landmark : segment.landmarks) {
+    if (!within(landmark.reference, segment.keyframes.size()) ||
+        !landmark.reference_pixel.allFinite() || !std::isfinite(landmark.inverse_depth) ||
+        !(std::abs(landmark.bearing.norm() - 1.0) < 1e-6)) {
+      return false;
+    }
+  }
+  for (const Observation& observation : segment.observations) {
+    if (!within(observation.landmark, segment.landmarks.size()) ||
+        !within(observation.keyframe, segment.keyframes.size()) || !observation.pixel.allFinite() ||
+        !(observation.sigma > 0.0)) {
+      return false;
+    }
+  }
+  return !segment.keyframes.empty() && !segment.observations.empty();
+}
+
+bool isSound(const Candidate& candidate, const Camera& camera) {
+  return isSound(candidate.segment) && candidate.camera.valid() &&
+         candidate.information.rows() == camera.estimatedCount() &&
+         candidate.information.cols() == camera.estimatedCount() &&
+         candidate.information.allFinite() && candidate.sigma_scale > 0.0 &&
+         std::isfinite(candidate.cost) && std::isfinite(candidate.entropy);
+}
+
+}  // namespace
+
+std::vector<std::string> LearntState::problems() const {
+  std::vector<std::string> list;
+  if (!camera.valid() || camera.width() <= 0 || camera.height() <= 0) {
+    list.push_back("its camera is not valid");
+    return list;
+  }
+  if (segments.empty()) list.push_back("it holds no segment of video");
+  for (const Candidate& candidate : segments) {
+    if (isSound(candidate, camera)) continue;
+    list.push_back("its segment " + std::to_string(candidate.segment.sequence) + " is not sound");
+  }
+  return list;
+}
+
+std::string encode(const LearntState& state) {
+  ByteWriter out;
+  out.integer(kVersion);
+  write(state.camera, &out);
+  out.integer(static_cast<std::uint64_t>(state.state));
+  out.integer(static_cast<std::uint64_t>(state.stamp_ns));
+  out.integer(static_cast<std::uint64_t>(state.keyframes));
+  out.integer(state.revision);
+  out.integer(state.epoch);
+  writeList(state.segments, &out);
+  const std::string text = kMagic + out.bytes();
+  ByteWriter sum;
+  sum.integer(checksum(text.data(), text.size()));
+  return text + sum.bytes();
+}
+
+DecodedState decodeState(const std::string& bytes) {
+  if (bytes.compare(0, kMagic.size(), kMagic) != 0) {
+    return {nullptr, "it is not a state file of this program"};
+  }
+  if (bytes.size() < kMagic.size() + kChecksumBytes + 8) return {nullptr, "it is cut off"};
+  const std::size_t body = bytes.size() - kChecksumBytes;
+  ByteReader in(bytes.data() + kMagic.size(), body - kMagic.size());
+  const std::uint64_t version = in.integer();
+  if (version != kVersion) {
+    return {nullptr, "it has the format " + std::to_string(version) + ", this program reads " +
+                         std::to_string(kVersion)};
+  }
+  ByteReader sum(bytes.data() + body, kChecksumBytes);
+  if (sum.integer() != checksum(bytes.data(), body)) {
+    return {nullptr, "it is damaged or cut off (wrong checksum)"};
+  }
+  auto state = std::make_shared<LearntState>();
+  state->camera = readCamera(&in);
+  const std::uint64_t calibration_state = in.integer();
+  state->stamp_ns = static_cast<std::int64_t>(in.integer());
+  state->keyframes = static_cast<std::int64_t>(in.integer());
+  state->revision = in.integer();
+  state->epoch = in.integer();
+  readList(&in, &state->segments);
+  if (!in.atEnd() || calibration_state >= kStates) return {nullptr, "its contents do not add up"};
+  state->state = static_cast<CalibrationState>(calibration_state);
+  const std::vector<std::string> problems = state->problems();
+  if (!problems.empty()) return {nullptr, problems.front()};
+  return {state, ""};
+}
+
+}  // namespace camera_self_calibration

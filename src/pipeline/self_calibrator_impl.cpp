@@ -1,0 +1,236 @@
+#include "self_calibrator_impl.h"
+
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+namespace camera_self_calibration {
+namespace {
+
+// A keyframe that the back end never sees costs a candidate, no more.
+constexpr std::size_t kMaxQueuedKeyframes = 4;
+
+const Options& checked(const Options& options) {
+  std::string text;
+  for (const std::string& problem : options.problems()) text += "\n  " + problem;
+  if (!text.empty()) throw std::invalid_argument("the options are not valid:" + text);
+  return options;
+}
+
+std::string sizeText(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+}  // namespace
+
+SelfCalibrator::Impl::Impl(const Options& given_options, Mode given_mode, Callbacks given_callbacks)
+    : options(checked(given_options)),
+      mode(given_mode),
+      callbacks(std::move(given_callbacks)),
+      tracker(options.tracker),
+      images(options.max_queued_images),
+      keyframes(kMaxQueuedKeyframes) {
+  if (mode == Mode::kInline) return;
+  front_thread = std::thread([this] {
+    while (const auto image = images.pop()) guarded(image->stamp_ns, [&] { processImage(*image); });
+  });
+  back_thread = std::thread([this] {
+    while (const auto message = keyframes.pop()) {
+      guarded(message->candidate.endNs(), [&] { processKeyframe(*message); });
+    }
+  });
+}
+
+SelfCalibrator::Impl::~Impl() {
+  images.close();
+  if (front_thread.joinable()) front_thread.join();
+  keyframes.close();
+  if (back_thread.joinable()) back_thread.join();
+}
+
+// Nothing that goes wrong with one image, nor in a callback, may end the process that hosts the
+// threads.
+void SelfCalibrator::Impl::guarded(std::int64_t stamp_ns,
+                                   const std::function<void()>& work) noexcept {
+  try {
+    work();
+  } catch (const std::exception& error) {
+    reportFailure(stamp_ns, error.what());
+  } catch (...) {
+    reportFailure(stamp_ns, "an exception of unknown type");
+  }
+}
+
+void SelfCalibrator::Impl::reportFailure(std::int64_t stamp_ns, const char* what) noexcept {
+  try {
+    requests.resetTracking();
+    raise({EventType::kInput, stamp_ns, stamp_ns,
+           std::string("an image could not be processed: ") + what});
+  } catch (...) {
+    // Who listens to events failed itself: there is nobody left to tell.
+  }
+}
+
+// An initial calibration holds for its own image size, whatever the first image's.
+void SelfCalibrator::Impl::start(int image_width, int image_height,
+                                 const Requests::Restart& request) {
+  auto next = std::make_shared<Beginning>();
+  next->number = beginning ? beginning->number + 1 : 1;
+  next->state = request.state;
+  if (request.state) {
+    next->camera = request.state->camera;
+  } else if (request.camera) {
+    next->camera = *request.camera;
+  } else if (options.initial_camera) {
+    next->camera = *options.initial_camera;
+  } else {
+    next->camera = Camera::defaultGuess(options.model, image_width, image_height);
+  }
+  beginning = next;
+  width = next->camera.width();
+  height = next->camera.height();
+  const std::int64_t first_keyframe = request.state ? request.state->keyframes : 0;
+  if (front_end) {
+    front_end->restart(next->camera, first_keyframe);
+  } else {
+    front_end = std::make_unique<FrontEnd>(options, next->camera, first_keyframe);
+  }
+  tracker.reset();
+  std::lock_guard<std::mutex> lock(mutex);
+  newest_beginning = next->number;
+  report = CalibrationReport();
+  report.camera = next->camera;
+  report.uncertainty = {std::numeric_limits<double>::infinity(),
+                        std::numeric_limits<double>::infinity()};
+  learnt.reset();
+  update.reset();
+}
+
+void SelfCalibrator::Impl::followRequests(const TrackedFrame& frame) {
+  Requests::Taken taken = requests.take();
+  if (taken.restart || !front_end) {
+    frozen = false;
+    if (!taken.restart) taken.restart.emplace();
+    refuseOtherSize(frame, &*taken.restart);
+    start(frame.width, frame.height, *taken.restart);
+  } else if (taken.reset_tracking) {
+    tracker.reset();
+    front_end->resetMap();
+  }
+  if (taken.scale != 1.0) front_end->scaleMap(taken.scale);
+}
+
+// What was learnt for another image size is not used; it would keep all images out.
+void SelfCalibrator::Impl::refuseOtherSize(const TrackedFrame& frame,
+                                           Requests::Restart* request) const {
+  if (!request->state) return;
+  const Camera& camera = request->state->camera;
+  if (camera.width() == frame.width && camera.height() == frame.height) return;
+  raise({EventType::kInput, frame.stamp_ns, frame.stamp_ns,
+         "the saved state is for images of " + sizeText(camera.width(), camera.height()) +
+             ", these are " + sizeText(frame.width, frame.height) + ": it is not used"});
+  request->state.reset();
+}
+
+void SelfCalibrator::Impl::checkSource(bool takes_images) {
+  const Source wanted = takes_images ? Source::kImages : Source::kTracks;
+  Source before = Source::kNone;
+  if (source.compare_exchange_strong(before, wanted) || before == wanted) return;
+  if (mode == Mode::kInline) return;
+  throw std::logic_error("a threaded calibrator takes either images or tracks, not both");
+}
+
+// Said once for a run of such images.
+void SelfCalibrator::Impl::leaveOut(std::int64_t stamp_ns, const std::string& reason) {
+  if (reason != left_out) raise({EventType::kInput, stamp_ns, stamp_ns, reason});
+  left_out = reason;
+}
+
+bool SelfCalibrator::Impl::accept(const TrackedFrame& frame) {
+  if (frame.width <= 0 || frame.height <= 0) {
+    leaveOut(frame.stamp_ns, "an empty image is left out");
+    return false;
+  }
+  followRequests(frame);
+  if (frame.width != width || frame.height != height) {
+    leaveOut(frame.stamp_ns, "images of " + sizeText(frame.width, frame.height) +
+                                 " are left out: the calibration is for " +
+                                 sizeText(width, height) + "; restart to calibrate the new size");
+    return false;
+  }
+  left_out.clear();
+  if (frame.stamp_ns < last_stamp_ns) {
+    raise({EventType::kInput, frame.stamp_ns, frame.stamp_ns,
+           "time jumped back: a new map begins, the calibration stays"});
+    tracker.reset();
+    front_end->resetMap();
+  }
+  last_stamp_ns = frame.stamp_ns;
+  return true;
+}
+
+void SelfCalibrator::Impl::processImage(const ImageView& image) {
+  const auto begin = std::chrono::steady_clock::now();
+  TrackedFrame header;
+  header.stamp_ns = image.stamp_ns;
+  header.width = image.data != nullptr ? image.width : 0;
+  header.height = image.height;
+  if (!accept(header)) return;
+  const TrackedFrame frame = tracker.track(image);  // a copy: detect() adds to the tracker's own
+  processFrame(
+      frame, [this] { return tracker.detect(); }, begin);
+}
+
+void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
+                                        const std::function<std::vector<Track>()>& detect,
+                                        std::chrono::steady_clock::time_point begin) {
+  std::optional<CalibrationUpdate> newest;
+  {
+    std::lock_guard<std::mutex> lock(mutex);
+    newest.swap(update);
+  }
+  if (newest && newest->beginning == beginning->number) front_end->adopt(*newest);
+  FrontEndOutput output = front_end->process(frame, detect);
+  tracker.drop(output.outliers);
+  if (output.restart_tracking) tracker.reset();
+  output.result.tracks = frame;
+  tracking = output.result.state == TrackingState::kTracking;
+  for (const Event& event : output.events) raise(event);
+  if (output.keyframe) {
+    output.keyframe->beginning = beginning;
+    if (mode == Mode::kInline) {
+      processKeyframe(*output.keyframe);
+    } else {
+      keyframes.push(std::move(*output.keyframe));
+    }
+  }
+  output.result.processing_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  if (callbacks.frame) callbacks.frame(output.result);
+}
+
+void SelfCalibrator::Impl::processKeyframe(const KeyframeMessage& message) {
+  const std::uint64_t number = message.beginning->number;
+  if (number < back_end_beginning) return;  // from before a reset
+  if (number > back_end_beginning) {
+    const std::uint64_t revision = back_end ? back_end->revision() : 0;
+    back_end = std::make_unique<CheckedBackEnd>(options, *message.beginning);
+    if (revision > 0) back_end->continueAfter(revision);
+    back_end_beginning = number;
+  }
+  BackEndOutput output = back_end->process(message, frozen);
+  {
+    std::lock_guard<std::mutex> lock(mutex);
+    if (number != newest_beginning) return;  // a reset came meanwhile
+    if (output.update) {
+      output.update->beginning = number;
+      update = std::move(output.update);
+      learnt = back_end->state();
+    }
+    report = output.report;
+  }
+  for (const Event& event : output.events) raise(event);
+  if (callbacks.calibration) callbacks.calibration(output.report);
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,74 @@
+#include "camera_self_calibration/pipeline/atomic_file.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <string>
+
+namespace camera_self_calibration {
+namespace {
+
+namespace fs = std::filesystem;
+
+class AtomicFile : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("atomic_file_test_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override {
+    fs::permissions(folder_, fs::perms::owner_all);
+    fs::remove_all(folder_);
+  }
+  int files() const { return static_cast<int>(std::distance(fs::directory_iterator(folder_), {})); }
+
+  fs::path folder_;
+};
+
+TEST_F(AtomicFile, WritesReadsAndReplaces) {
+  const std::string path = folder_ / "deep" / "deeper" / "state";
+  EXPECT_FALSE(readFile(path).exists);
+  EXPECT_EQ(writeFileAtomically(path, std::string("a\0b", 3)), "");
+  EXPECT_EQ(readFile(path).bytes, std::string("a\0b", 3));
+  EXPECT_EQ(writeFileAtomically(path, "second"), "");
+  EXPECT_EQ(readFile(path).bytes, "second");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "deep" / "deeper"), {}), 1)
+      << "nothing is left beside it";
+}
+
+TEST_F(AtomicFile, BehindALinkTheFileIsReplaced) {
+  const std::string path = folder_ / "file";
+  const std::string link = folder_ / "link";
+  ASSERT_EQ(writeFileAtomically(path, "first"), "");
+  fs::create_symlink(path, link);
+  EXPECT_EQ(writeFileAtomically(link, "second"), "");
+  EXPECT_TRUE(fs::is_symlink(link));
+  EXPECT_EQ(readFile(path).bytes, "second");
+}
+
+TEST_F(AtomicFile, SaysWhyItCannotWrite) {
+  ASSERT_EQ(writeFileAtomically(folder_ / "file", "x"), "");
+  const std::string under_a_file = folder_ / "file" / "state";
+  EXPECT_NE(writeFileAtomically(under_a_file, "y").find("file"), std::string::npos);
+  fs::create_directories(folder_ / "folder" / "inside");
+  EXPECT_NE(writeFileAtomically(folder_ / "folder", "y").find("folder"), std::string::npos);
+  EXPECT_EQ(files(), 2) << "nothing is left beside it";
+  EXPECT_FALSE(readFile(folder_ / "folder").error.empty());
+}
+
+// A disk that is full: the old contents stay.
+TEST_F(AtomicFile, AFullDiskLeavesTheOldContents) {
+  if (!fs::exists("/dev/full")) GTEST_SKIP();
+  const std::string path = folder_ / "state";
+  ASSERT_EQ(writeFileAtomically(path, "old"), "");
+  // The file beside it is a link to the full device.
+  fs::create_symlink("/dev/full", path + ".new." + std::to_string(::getpid()));
+  EXPECT_NE(writeFileAtomically(path, "new"), "");
+  EXPECT_EQ(readFile(path).bytes, "old");
+  EXPECT_EQ(files(), 1);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

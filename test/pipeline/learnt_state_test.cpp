@@ -1,0 +1,138 @@
+#include "camera_self_calibration/pipeline/learnt_state.h"
+
+#include <gtest/gtest.h>
+
+#include "estimation/sample_segments.h"
+#include "pipeline/track_run.h"
+
+namespace camera_self_calibration {
+namespace {
+
+std::shared_ptr<const LearntState> learntState() {
+  static const std::shared_ptr<const LearntState> state = [] {
+    const Camera truth = ordinaryCameras()[1];
+    TrackRun run(truth, optionsFor(truth.model()), TrackRunOptions());
+    EXPECT_TRUE(run.runUntilConverged(600));
+    return run.calibrator().state();
+  }();
+  return state;
+}
+
+void expectSame(const Segment& a, const Segment& b) {
+  EXPECT_EQ(a.sequence, b.sequence);
+  ASSERT_EQ(a.keyframes.size(), b.keyframes.size());
+  ASSERT_EQ(a.landmarks.size(), b.landmarks.size());
+  ASSERT_EQ(a.observations.size(), b.observations.size());
+  for (std::size_t i = 0; i < a.keyframes.size(); ++i) {
+    EXPECT_EQ(a.keyframes[i].id, b.keyframes[i].id);
+    EXPECT_EQ(a.keyframes[i].stamp_ns, b.keyframes[i].stamp_ns);
+    EXPECT_EQ(a.keyframes[i].world_from_camera.rotation.coeffs(),
+              b.keyframes[i].world_from_camera.rotation.coeffs());
+    EXPECT_EQ(a.keyframes[i].world_from_camera.translation,
+              b.keyframes[i].world_from_camera.translation);
+    EXPECT_EQ(a.keyframes[i].velocity, b.keyframes[i].velocity);
+    EXPECT_EQ(a.keyframes[i].calibration_generation, b.keyframes[i].calibration_generation);
+  }
+  for (std::size_t i = 0; i < a.landmarks.size(); ++i) {
+    EXPECT_EQ(a.landmarks[i].track_id, b.landmarks[i].track_id);
+    EXPECT_EQ(a.landmarks[i].reference, b.landmarks[i].reference);
+    EXPECT_EQ(a.landmarks[i].anchored, b.landmarks[i].anchored);
+    EXPECT_EQ(a.landmarks[i].reference_pixel, b.landmarks[i].reference_pixel);
+    EXPECT_EQ(a.landmarks[i].bearing, b.landmarks[i].bearing);
+    EXPECT_EQ(a.landmarks[i].inverse_depth, b.landmarks[i].inverse_depth);
+  }
+  for (std::size_t i = 0; i < a.observations.size(); ++i) {
+    EXPECT_EQ(a.observations[i].landmark, b.observations[i].landmark);
+    EXPECT_EQ(a.observations[i].keyframe, b.observations[i].keyframe);
+    EXPECT_EQ(a.observations[i].pixel, b.observations[i].pixel);
+    EXPECT_EQ(a.observations[i].sigma, b.observations[i].sigma);
+  }
+}
+
+TEST(LearntState, ReadsBackToTheLastBit) {
+  ASSERT_TRUE(learntState());
+  const LearntState& state = *learntState();
+  ASSERT_GE(state.segments.size(), 2u);
+  const std::string bytes = encode(state);
+  std::cout << state.segments.size() << " segments take " << bytes.size() / 1024 << " KiB\n";
+  const DecodedState decoded = decodeState(bytes);
+  ASSERT_TRUE(decoded.state) << decoded.error;
+  EXPECT_EQ(decoded.state->camera.parameters(), state.camera.parameters());
+  EXPECT_EQ(decoded.state->camera.model(), state.camera.model());
+  EXPECT_EQ(decoded.state->state, CalibrationState::kConverged);
+  EXPECT_EQ(decoded.state->stamp_ns, state.stamp_ns);
+  EXPECT_EQ(decoded.state->keyframes, state.keyframes);
+  EXPECT_EQ(decoded.state->revision, state.revision);
+  ASSERT_EQ(decoded.state->segments.size(), state.segments.size());
+  for (std::size_t i = 0; i < state.segments.size(); ++i) {
+    const Candidate& a = state.segments[i];
+    const Candidate& b = decoded.state->segments[i];
+    expectSame(a.segment, b.segment);
+    EXPECT_EQ(a.camera.parameters(), b.camera.parameters());
+    EXPECT_EQ(a.information, b.information);
+    EXPECT_EQ(a.cost, b.cost);
+    EXPECT_EQ(a.entropy, b.entropy);
+    EXPECT_EQ(a.sigma_scale, b.sigma_scale);
+  }
+  EXPECT_EQ(encode(*decoded.state), bytes);
+}
+
+TEST(LearntState, KeepsThatK3IsEstimated) {
+  LearntState state = *learntState();
+  Camera camera(CameraModel::kRadtan, 640, 480,
+                (Intrinsics(9) << 400, 400, 320, 240, -0.3, 0.1, 0, 0, 0.01).finished());
+  camera.setEstimateK3(true);
+  state.camera = camera;
+  for (Candidate& segment : state.segments) {
+    segment.camera = camera;
+    segment.information = IntrinsicsMatrix::Identity(9, 9);
+  }
+  const DecodedState decoded = decodeState(encode(state));
+  ASSERT_TRUE(decoded.state) << decoded.error;
+  EXPECT_EQ(decoded.state->camera.estimatedCount(), 9);
+}
+
+TEST(LearntState, EveryDamageIsNoticed) {
+  const std::string bytes = encode(*learntState());
+  for (std::size_t i = 0; i < bytes.size(); i += 997) {
+    std::string damaged = bytes;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
+    const DecodedState decoded = decodeState(damaged);
+    EXPECT_FALSE(decoded.state) << "byte " << i;
+    EXPECT_FALSE(decoded.error.empty());
+  }
+  for (std::size_t size = 0; size < bytes.size(); size += size < 100 ? 1 : 1009) {
+    EXPECT_FALSE(decodeState(bytes.substr(0, size)).state) << size << " bytes";
+  }
+  EXPECT_FALSE(decodeState(bytes + "x").state);
+}
+
+TEST(LearntState, ForeignFilesAndOtherVersionsAreNamed) {
+  EXPECT_NE(decodeState("image_width: 640\n").error.find("not a state file"), std::string::npos);
+  EXPECT_NE(decodeState("").error.find("not a state file"), std::string::npos);
+  std::string newer = encode(*learntState());
+  const std::size_t version = newer.find('\n') + 1;
+  newer[version] = 9;
+  EXPECT_NE(decodeState(newer).error.find("format 9"), std::string::npos);
+}
+
+// Even where the checksum is right, contents that make no sense are not taken.
+TEST(LearntState, UnsoundContentsAreRefused) {
+  const auto refused = [](const std::function<void(LearntState*)>& spoil) {
+    LearntState state = *learntState();
+    spoil(&state);
+    return !decodeState(encode(state)).state;
+  };
+  EXPECT_FALSE(refused([](LearntState*) {}));
+  EXPECT_TRUE(refused([](LearntState* s) { s->segments.clear(); }));
+  EXPECT_TRUE(refused([](LearntState* s) { s->camera = Camera(); }));
+  EXPECT_TRUE(refused([](LearntState* s) { s->segments[0].segment.observations[3].sigma = 0.0; }));
+  EXPECT_TRUE(refused([](LearntState* s) { s->segments[0].segment.landmarks[2].reference = 99; }));
+  EXPECT_TRUE(refused([](LearntState* s) {
+    s->segments[0].segment.keyframes[1].world_from_camera.translation(0) = NAN;
+  }));
+  EXPECT_TRUE(refused([](LearntState* s) { s->segments[0].information.resize(2, 2); }));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
