@@ -69,6 +69,9 @@ void write(const Candidate& candidate, ByteWriter* out) {
   writeList(candidate.segment.keyframes, out);
   writeList(candidate.segment.landmarks, out);
   writeList(candidate.segment.observations, out);
+  const bool changed = candidate.segment.earlier_camera != nullptr;
+  out->integer(changed ? static_cast<std::uint64_t>(candidate.segment.earlier_keyframes) : 0);
+  if (changed) write(*candidate.segment.earlier_camera, out);
   write(candidate.camera, out);
   out->matrix(candidate.information);
   for (const double value :
@@ -136,6 +139,10 @@ void read(ByteReader* in, Candidate* candidate) {
   readList(in, &candidate->segment.keyframes);
   readList(in, &candidate->segment.landmarks);
   readList(in, &candidate->segment.observations);
+  candidate->segment.earlier_keyframes = static_cast<int>(in->integer());
+  if (candidate->segment.earlier_keyframes != 0) {
+    candidate->segment.earlier_camera = std::make_shared<Camera>(readCamera(in));
+  }
   candidate->camera = readCamera(in);
   candidate->information = in->matrix(kMaxIntrinsics, kMaxIntrinsics);
   for (double* value :
@@ -171,6 +178,7 @@ bool isSound(const Segment& segment) {
       return false;
     }
   }
+  if (segment.earlier_camera && !segment.earlier_camera->valid()) return false;
   return !segment.keyframes.empty() && !segment.observations.empty();
 }
 

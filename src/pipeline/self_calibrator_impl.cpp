@@ -229,8 +229,9 @@ void SelfCalibrator::Impl::processKeyframe(const KeyframeMessage& message) {
     }
     report = output.report;
   }
-  for (const Event& event : output.events) raise(event);
+  // The report first, so that an event finds the epoch that it speaks of.
   if (callbacks.calibration) callbacks.calibration(output.report);
+  for (const Event& event : output.events) raise(event);
 }
 
 }  // namespace camera_self_calibration

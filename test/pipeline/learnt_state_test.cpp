@@ -77,19 +77,25 @@ TEST(LearntState, ReadsBackToTheLastBit) {
   EXPECT_EQ(encode(*decoded.state), bytes);
 }
 
-TEST(LearntState, KeepsThatK3IsEstimated) {
+TEST(LearntState, KeepsThatK3IsEstimatedAndAnEarlierLens) {
   LearntState state = *learntState();
   Camera camera(CameraModel::kRadtan, 640, 480,
                 (Intrinsics(9) << 400, 400, 320, 240, -0.3, 0.1, 0, 0, 0.01).finished());
   camera.setEstimateK3(true);
   state.camera = camera;
   for (Candidate& segment : state.segments) {
+    segment.segment.earlier_camera = std::make_shared<Camera>(ordinaryCameras()[1]);
+    segment.segment.earlier_keyframes = 2;
     segment.camera = camera;
     segment.information = IntrinsicsMatrix::Identity(9, 9);
   }
   const DecodedState decoded = decodeState(encode(state));
   ASSERT_TRUE(decoded.state) << decoded.error;
   EXPECT_EQ(decoded.state->camera.estimatedCount(), 9);
+  const Segment& first = decoded.state->segments[0].segment;
+  EXPECT_EQ(first.earlier_keyframes, 2);
+  ASSERT_TRUE(first.earlier_camera);
+  EXPECT_EQ(first.earlier_camera->parameters(), ordinaryCameras()[1].parameters());
 }
 
 TEST(LearntState, EveryDamageIsNoticed) {
