@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdio>
 
-#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/pseudo_inverse.h"
 
 namespace camera_self_calibration {
 namespace {

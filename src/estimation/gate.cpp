@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/estimation/robust.h"
+#include "camera_self_calibration/estimation/transfer.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -13,23 +13,15 @@ namespace {
 // Squared whitened residual of each observation; infinite where it cannot be predicted.
 std::vector<double> squaredResiduals(const SegmentBlock& block, const Camera& camera) {
   const Segment& segment = *block.segment;
-  std::vector<PoseMatrices> poses;
-  for (const Keyframe& keyframe : segment.keyframes) poses.emplace_back(keyframe.world_from_camera);
   std::vector<double> squares(segment.observations.size(), std::numeric_limits<double>::infinity());
-  for (std::size_t o = 0; o < squares.size(); ++o) {
-    const Observation& observation = segment.observations[o];
-    const Landmark& landmark = segment.landmarks[observation.landmark];
-    Eigen::Vector3d ray;
-    Eigen::Vector2d prediction;
-    if (!landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr) ||
-        !predictPixel(segment.cameraOf(observation.keyframe, camera), poses[landmark.reference],
-                      poses[observation.keyframe], ray, landmark.inverse_depth, false, &prediction,
-                      nullptr)) {
-      continue;
-    }
-    const double sigma = observation.sigma * block.sigma_scale;
-    squares[o] = (observation.pixel - prediction).squaredNorm() / (sigma * sigma);
-  }
+  Transfers transfers;
+  predictObservations(segment, camera, &transfers,
+                      [&](std::size_t o, const Eigen::Vector2d* pixel) {
+                        const Observation& observation = segment.observations[o];
+                        const double sigma = observation.sigma * block.sigma_scale;
+                        if (pixel != nullptr)
+                          squares[o] = ((observation.pixel - *pixel) / sigma).squaredNorm();
+                      });
   return squares;
 }
 

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <vector>
 
-#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/observation_model.h"
+#include "camera_self_calibration/estimation/transfer.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -11,21 +12,21 @@ namespace {
 // rho^2 H_rhorho per landmark: (rho / conditional sigma of rho)^2.
 std::vector<double> depthInformation(const Segment& segment, const Camera& camera) {
   std::vector<double> information(segment.landmarks.size(), 0.0);
-  std::vector<PoseMatrices> poses;
-  for (const Keyframe& keyframe : segment.keyframes) poses.emplace_back(keyframe.world_from_camera);
+  Transfers transfers(segment);
   for (const Observation& observation : segment.observations) {
     const Landmark& landmark = segment.landmarks[observation.landmark];
+    const Transfer& transfer = transfers.between(landmark.reference, observation.keyframe);
     Eigen::Vector3d ray;
     Eigen::Vector2d pixel;
-    PredictionJacobians jacobians;
+    Matrix23d d_point;
     if (!landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr) ||
-        !predictPixel(segment.cameraOf(observation.keyframe, camera), poses[landmark.reference],
-                      poses[observation.keyframe], ray, landmark.inverse_depth, false, &pixel,
-                      &jacobians)) {
+        !segment.cameraOf(observation.keyframe, camera)
+             .project(transfer(ray, landmark.inverse_depth), &pixel, &d_point)) {
       continue;
     }
+    const Eigen::Vector2d d_depth = d_point * transfer.translation;
     information[observation.landmark] +=
-        (landmark.inverse_depth * jacobians.inverse_depth / observation.sigma).squaredNorm();
+        (landmark.inverse_depth * d_depth / observation.sigma).squaredNorm();
   }
   return information;
 }

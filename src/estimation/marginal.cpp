@@ -21,7 +21,7 @@ Marginal marginalize(const Problem& problem, double huber, int threads) {
   const int count = problem.intrinsicsCount();
   std::vector<LinearSegment> linear(blocks);
   parallelFor(threads, blocks, [&](int i) {
-    linear[i].linearize(problem.blocks[i], *problem.camera, count, huber);
+    linear[i].linearize(problem.blocks[i], *problem.camera, count, huber, true);
     linear[i].eliminate(0.0);
   });
   Marginal marginal;
@@ -33,7 +33,7 @@ Marginal marginalize(const Problem& problem, double huber, int threads) {
     marginal.track_scores += linear[i].trackScores();
     marginal.cost += linear[i].cost();
     marginal.observations += static_cast<int>(problem.blocks[i].segment->observations.size());
-    marginal.variables += linear[i].poseColumns() + linear[i].landmarkRows();
+    marginal.variables += linear[i].variables();
   }
   const int freedom = 2 * marginal.observations - marginal.variables;
   if (freedom > 0) marginal.track_scores *= 2.0 * marginal.observations / freedom;

@@ -108,14 +108,4 @@ Eigen::MatrixXd DenseProblem::jacobian() const {
   return result;
 }
 
-SegmentStep DenseProblem::segmentStep(const Eigen::VectorXd& step) const {
-  return {step.head(poses_), step.segment(poses_, landmarks_)};
-}
-
-Eigen::VectorXd DenseProblem::join(const SegmentStep& segment, const Intrinsics& intrinsics) const {
-  Eigen::VectorXd step(variables());
-  step << segment.poses, segment.landmarks, intrinsics;
-  return step;
-}
-
 }  // namespace camera_self_calibration

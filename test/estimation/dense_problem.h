@@ -27,9 +27,15 @@ class DenseProblem {
   Eigen::VectorXd rootWeights(double huber) const;
 
   /// The step's parts as the estimation room wants them.
-  SegmentStep segmentStep(const Eigen::VectorXd& step) const;
+  Eigen::VectorXd ownStep(const Eigen::VectorXd& step) const {
+    return step.head(poses_ + landmarks_);
+  }
   Intrinsics intrinsicsStep(const Eigen::VectorXd& step) const { return step.tail(intrinsics_); }
-  Eigen::VectorXd join(const SegmentStep& segment, const Intrinsics& intrinsics) const;
+  Eigen::VectorXd join(const Eigen::VectorXd& own, const Intrinsics& intrinsics) const {
+    Eigen::VectorXd step(variables());
+    step << own, intrinsics;
+    return step;
+  }
 
   /// Size of a step in each variable that changes pixels by the order of one.
   Eigen::VectorXd stepSizes() const;

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <random>
 
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "estimation/dense_problem.h"
 #include "estimation/sample_segments.h"
 
@@ -34,7 +38,7 @@ class LinearSegmentTest : public testing::TestWithParam<Case> {
     camera_ = perturbedCamera(truth_, 5, 0.3);
     block_ = {&segment_, c.fixed_keyframes, c.fixed_landmark, 1.7};
     count_ = c.intrinsics ? camera_.estimatedCount() : 0;
-    linear_.linearize(block_, camera_, count_, c.huber);
+    linear_.linearize(block_, camera_, count_, c.huber, true);
   }
 
   Camera truth_;
@@ -48,15 +52,16 @@ class LinearSegmentTest : public testing::TestWithParam<Case> {
 
 // b = J^T W r, in the order of DenseProblem.
 Eigen::VectorXd gradientOf(const LinearSegment& linear, const DenseProblem& dense) {
-  return dense.join({linear.gradient().head(linear.poseColumns()), linear.landmarkGradient()},
-                    linear.gradient().tail(linear.intrinsicsCount()));
+  Eigen::VectorXd own(linear.variables());
+  linear.copyGradient(own);
+  return dense.join(own, linear.intrinsicsGradient());
 }
 
 // H entry by entry, out of its quadratic form.
 Eigen::MatrixXd hessianOf(const LinearSegment& linear, const DenseProblem& dense) {
   const int n = dense.variables();
   const auto form = [&](const Eigen::VectorXd& v) {
-    return linear.curvature(dense.segmentStep(v), dense.intrinsicsStep(v));
+    return linear.curvature(dense.ownStep(v), dense.intrinsicsStep(v));
   };
   // Scaled to a unit diagonal, which keeps the polarisation's digits.
   Eigen::VectorXd scale(n);
@@ -76,8 +81,7 @@ Eigen::MatrixXd hessianOf(const LinearSegment& linear, const DenseProblem& dense
 TEST_P(LinearSegmentTest, GradientIsThatOfTheCost) {
   const DenseProblem dense(block_, camera_, count_);
   const double huber = GetParam().huber;
-  ASSERT_EQ(linear_.poseColumns() + linear_.landmarkRows() + linear_.intrinsicsCount(),
-            dense.variables());
+  ASSERT_EQ(linear_.variables() + linear_.intrinsicsCount(), dense.variables());
   const Eigen::VectorXd zero = Eigen::VectorXd::Zero(dense.variables());
   EXPECT_NEAR(linear_.cost(), dense.cost(zero, huber), 1e-9 * linear_.cost());
   EXPECT_NEAR(linear_.cost(), robustCost(block_, camera_, huber), 1e-12 * linear_.cost());
@@ -105,9 +109,9 @@ TEST_P(LinearSegmentTest, HessianIsThatOfTheNumericJacobian) {
           << i << " " << j;
     }
   }
-  const Eigen::VectorXd diagonal =
-      dense.join({linear_.diagonal().head(linear_.poseColumns()), linear_.landmarkDiagonal()},
-                 linear_.diagonal().tail(count_));
+  Eigen::VectorXd own(linear_.variables());
+  linear_.copyDiagonal(own);
+  const Eigen::VectorXd diagonal = dense.join(own, linear_.intrinsicsDiagonal());
   EXPECT_TRUE(diagonal.isApprox(hessian.diagonal(), 1e-9));
 }
 
@@ -131,8 +135,9 @@ TEST_P(LinearSegmentTest, EliminationSolvesTheFullNormalEquations) {
                             .ldlt()
                             .solve(Eigen::VectorXd(linear_.reducedGradient()));
     }
-    const Eigen::VectorXd nested =
-        dense.join(linear_.backSubstitute(intrinsics_step), intrinsics_step);
+    Eigen::VectorXd own(linear_.variables());
+    linear_.backSubstitute(intrinsics_step, own);
+    const Eigen::VectorXd nested = dense.join(own, intrinsics_step);
     // In units of each variable's conditional sigma.
     const Eigen::VectorXd difference = (nested - step).cwiseQuotient(scale);
     EXPECT_LT(difference.norm(), 1e-6 * step.cwiseQuotient(scale).norm());
@@ -227,26 +232,62 @@ TEST(LinearSegment, PointsThatCannotBePredictedCostAndDoNotPull) {
   LinearSegment linear;
   linear.linearize(block, camera, 4, kNoHuber);
   EXPECT_NEAR(linear.cost(), robustCost(block, camera, kNoHuber), 1e-6);
-  EXPECT_EQ(linear.landmarkGradient()(landmark), 0.0);
-  EXPECT_EQ(linear.landmarkDiagonal()(landmark), 0.0);
+  Eigen::VectorXd own(linear.variables());
+  const int row = linear.poseColumns() + landmark;
+  linear.copyGradient(own);
+  EXPECT_EQ(own(row), 0.0);
+  linear.copyDiagonal(own);
+  EXPECT_EQ(own(row), 0.0);
   linear.eliminate(0.0);
   EXPECT_TRUE(linear.reducedHessian().allFinite());
-  EXPECT_EQ(linear.backSubstitute(Intrinsics::Zero(4)).landmarks(landmark), 0.0);
+  linear.backSubstitute(Intrinsics::Zero(4), own);
+  EXPECT_EQ(own(row), 0.0);
 }
 
-TEST(InverseFactor, OfRegularAndSingularMatrices) {
+// Nothing depends on the order in which a segment lists its observations.
+TEST(LinearSegment, ObservationsMayComeInAnyOrder) {
+  const Camera camera = ordinaryCameras()[1];
+  SimulatedSegment made = smallSegment(camera, LandmarkOrigin::kMixed, 0.3, 6);
+  const SegmentBlock block{&made.segment, 1, 2, 1.0};
+  const auto reduced = [&] {
+    LinearSegment linear;
+    linear.linearize(block, camera, camera.estimatedCount(), kHuber);
+    linear.eliminate(0.0);
+    return Eigen::MatrixXd(linear.reducedHessian());
+  };
+  const Eigen::MatrixXd grouped = reduced();
+  std::mt19937 random(3);
+  std::shuffle(made.segment.observations.begin(), made.segment.observations.end(), random);
+  EXPECT_TRUE(reduced().isApprox(grouped, 1e-9));
+}
+
+TEST(PseudoInverse, OfRegularAndSingularMatrices) {
   const Eigen::MatrixXd root = Eigen::MatrixXd::Random(6, 6);
   const Eigen::MatrixXd regular = root * root.transpose() + Eigen::MatrixXd::Identity(6, 6);
-  const Eigen::MatrixXd factor = inverseFactor(regular, 1e-12);
-  EXPECT_TRUE((factor * factor.transpose()).isApprox(regular.inverse(), 1e-10));
+  const Eigen::MatrixXd identity = Eigen::MatrixXd::Identity(6, 6);
+  PseudoInverse inverse;
+  inverse.compute(regular, 1e-12);
+  EXPECT_EQ(inverse.rank(), 6);
+  EXPECT_TRUE(inverse.solve(identity).isApprox(regular.inverse(), 1e-10));
+  Eigen::MatrixXd whitened, back;
+  inverse.whiten(regular, &whitened);
+  EXPECT_TRUE((whitened.transpose() * whitened).isApprox(regular, 1e-10));
+  inverse.unwhiten(whitened, &back);
+  EXPECT_TRUE(back.isApprox(identity, 1e-10));
+
   const Eigen::MatrixXd thin = Eigen::MatrixXd::Random(6, 4);
   const Eigen::MatrixXd singular = thin * thin.transpose();
-  const Eigen::MatrixXd half = inverseFactor(singular, 1e-12);
-  EXPECT_EQ(half.cols(), 4);
-  const Eigen::MatrixXd pseudo = half * half.transpose();
-  EXPECT_TRUE((singular * pseudo * singular).isApprox(singular, 1e-9));
-  EXPECT_EQ(inverseFactor(Eigen::MatrixXd::Zero(3, 3), 1e-12).cols(), 0);
-  EXPECT_EQ(inverseFactor(Eigen::MatrixXd(0, 0), 1e-12).size(), 0);
+  inverse.compute(singular, 1e-12);
+  EXPECT_EQ(inverse.rank(), 4);
+  EXPECT_TRUE((singular * inverse.solve(singular)).isApprox(singular, 1e-9));
+  inverse.whiten(singular, &whitened);
+  EXPECT_TRUE((whitened.transpose() * whitened).isApprox(singular, 1e-9));
+
+  inverse.compute(Eigen::MatrixXd::Zero(3, 3), 1e-12);
+  EXPECT_EQ(inverse.rank(), 0);
+  EXPECT_TRUE(inverse.solve(Eigen::VectorXd::Ones(3)).isZero(0.0));
+  inverse.compute(Eigen::MatrixXd(0, 0), 1e-12);
+  EXPECT_EQ(inverse.rank(), 0);
 }
 
 }  // namespace

@@ -1,129 +1,166 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cmath>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
-#include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/estimation/problem.h"
+#include "camera_self_calibration/estimation/pseudo_inverse.h"
+#include "camera_self_calibration/estimation/segment_structure.h"
+#include "camera_self_calibration/estimation/transfer.h"
 
 namespace camera_self_calibration {
 
-/// A change of one segment's variables: 6 per free keyframe, then up to 3 per landmark (inverse
-/// depth, then two of the bearing).
-struct SegmentStep {
-  Eigen::VectorXd poses;
-  Eigen::VectorXd landmarks;
-};
-
 /// The normal equations of one segment, with residual r = z - W (eq. 2) whitened and weighted, and
-/// J the derivative of W: `H = J^T J`, `b = J^T r`. Columns are x = (free poses, intrinsics) and,
-/// kept apart because they are eliminated first, the landmarks.
+/// J the derivative of W: `H = J^T J`, `b = J^T r`. A change of the segment's own variables is one
+/// vector: 6 entries per free keyframe, then up to 3 per landmark (inverse depth, then two of the
+/// bearing). The intrinsics, shared with other segments, stand apart.
+///
+/// Eigen's vectors of fixed size do the work: a landmark has 1 or 3 rows, a pose 6, and what all
+/// rows have in common, the "tail" of intrinsics and right-hand side, is padded with zeros to 2, 6
+/// or 10. Memory is kept from one linearisation to the next.
 class LinearSegment {
  public:
   /// Linearises at the block's present state. `huber` is the threshold on the whitened residual's
-  /// norm above which it counts linearly.
+  /// norm above which it counts linearly. `for_scores`: trackScores() is going to be asked for.
   void linearize(const SegmentBlock& block, const Camera& camera, int intrinsics_count,
-                 double huber);
+                 double huber, bool for_scores = false);
 
   double cost() const { return cost_; }
-  int poseColumns() const { return pose_columns_; }
+  int poseColumns() const { return 6 * structure_.free_poses; }
+  int landmarkRows() const { return structure_.landmark_rows; }
+  /// Of the segment itself.
+  int variables() const { return poseColumns() + landmarkRows(); }
   int intrinsicsCount() const { return intrinsics_count_; }
-  int landmarkRows() const { return static_cast<int>(landmark_gradient_.size()); }
 
-  /// b, of the poses and the intrinsics, and of the landmarks.
-  const Eigen::VectorXd& gradient() const { return gradient_; }
-  const Eigen::VectorXd& landmarkGradient() const { return landmark_gradient_; }
-  /// diag(H): the squared column norms of J.
-  Eigen::VectorXd diagonal() const { return hessian_.diagonal(); }
-  Eigen::VectorXd landmarkDiagonal() const;
+  /// b and the diagonal of H, i.e. the squared column norms of J: of the segment's variables (into
+  /// `variables()` entries) and of the intrinsics.
+  void copyGradient(Eigen::Ref<Eigen::VectorXd> own) const;
+  void copyDiagonal(Eigen::Ref<Eigen::VectorXd> own) const;
+  Intrinsics intrinsicsGradient() const;
+  Intrinsics intrinsicsDiagonal() const;
 
   /// v^T H v = |J v|^2 for a change of this segment's variables and the intrinsics.
-  double curvature(const SegmentStep& step, const Intrinsics& intrinsics) const;
+  double curvature(const Eigen::Ref<const Eigen::VectorXd>& own,
+                   const Intrinsics& intrinsics) const;
 
   /// Eliminates landmarks, then poses, with H's diagonal times (1 + damping): leaves the reduced
   /// system of the intrinsics.
   void eliminate(double damping);
-  const IntrinsicsMatrix& reducedHessian() const { return reduced_hessian_; }
-  const Intrinsics& reducedGradient() const { return reduced_gradient_; }
+  IntrinsicsMatrix reducedHessian() const;
+  Intrinsics reducedGradient() const;
 
-  /// After eliminate(0), at an optimum: `sum s s^T` over the landmarks' tracks, with s the track's
-  /// share of the intrinsics' reduced gradient. Equal to reducedHessian() in expectation if all
-  /// residuals are independent and the sigmas right; larger by what is correlated along a track.
+  /// After linearize(.., true) and eliminate(0), at an optimum: `sum s s^T` over the landmarks'
+  /// tracks, with s the track's share of the intrinsics' reduced gradient. Equal to
+  /// reducedHessian() in expectation if all residuals are independent and the sigmas right; larger
+  /// by what is correlated along a track.
   IntrinsicsMatrix trackScores() const;
 
-  /// The Gauss-Newton change of poses and landmarks, given that of the intrinsics (n_c).
-  SegmentStep backSubstitute(const Intrinsics& intrinsics_step) const;
+  /// The Gauss-Newton change of the segment's variables, given that of the intrinsics (n_c).
+  void backSubstitute(const Intrinsics& intrinsics_step, Eigen::Ref<Eigen::VectorXd> own) const;
 
   /// Eigenvalues of the poses' reduced system below this share of the largest, after scaling it to
   /// a unit diagonal, count as unobservable.
   static constexpr double kRankTolerance = 1e-12;
 
  private:
-  struct LandmarkRows {
-    int row = 0;    // first row in the landmark arrays
-    int count = 0;  // 0 to 3
+  // Columns that all observations of a pair of keyframes share: translation of the reference camera
+  // relative to the observing one, in the world; rotation of the observing camera.
+  static constexpr int kLocal = 6;
+
+  // What all observations of a pair of keyframes need.
+  struct PairFactors {
+    Transfer transfer;
+    bool same = false;  // a keyframe with itself
+    Eigen::Matrix3d observing_from_world;
+    Eigen::Matrix3d lever;  // [t_r - t_i]x R_r
   };
 
-  // Consecutive landmarks with one reference keyframe, and the pose columns that they touch.
-  struct LandmarkGroup {
-    int row = 0;
-    int rows = 0;
-    int begin_column = 0;
-    int end_column = 0;
+  // What all observations of a landmark need.
+  struct LandmarkFactors {
+    bool has_ray = false;
+    Eigen::Vector3d ray;
+    RayIntrinsicsJacobian d_intrinsics;  // of an anchored ray
+    Matrix32d basis;                     // of a free bearing
   };
 
-  void resize(const SegmentBlock& block, int intrinsics_count);
-  void addObservation(const SegmentBlock& block, const Camera& camera, double huber,
-                      const Observation& observation);
+  template <int kTail>
+  struct Row;
+
+  void layOut();
+  void prepareFactors(const Segment& segment, const Camera& camera);
+  template <int kTail>
+  void addObservations(const SegmentBlock& block, const Camera& camera, double huber);
+  template <int kTail>
+  bool linearizeRow(const Observation& observation, const Segment& segment, const PairFactors& pair,
+                    const Camera& camera, double huber, Row<kTail>* row);
+  template <int kTail, int kDimension>
+  void addToLandmark(const SegmentStructure::ObservationPlace& place, int landmark,
+                     const Row<kTail>& row);
+  template <int kTail, int kDimension>
+  void addCoupling(const SegmentStructure::ObservationPlace& place,
+                   const SegmentStructure::LandmarkPlace& landmark,
+                   const Eigen::Matrix<double, kLocal + kTail, kDimension>& coupling,
+                   double* values) const;
+  template <int kTail>
+  void expandPair(int fixed_keyframes, std::size_t pair);
+  template <int kTail>
   void eliminateLandmarks(double damping);
+  template <int kTail, int kDimension>
+  void eliminateLandmark(std::size_t landmark);
   void eliminatePoses();
-  void groupLandmarks(const SegmentBlock& block);
-  void subtractFromSchur(const LandmarkGroup& group);
+  Eigen::Vector3d landmarkStep(std::size_t landmark, const Eigen::Ref<const Eigen::VectorXd>& poses,
+                               const Intrinsics& intrinsics) const;
+  // Coupling of one of a landmark's rows (of `dimension`) to the tail, and to a pose it touches.
+  const double* landmarkTail(std::size_t l, int row) const {
+    const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
+    return couplings_.data() + coupling_begin_[l] + 6 * place.entries * place.dimension +
+           row * tail_;
+  }
+  Eigen::Map<const Vector6d> landmarkEntry(std::size_t l, int entry, int row) const {
+    const int dimension = structure_.landmarks[l].dimension;
+    return Eigen::Map<const Vector6d>(couplings_.data() + coupling_begin_[l] +
+                                      6 * (entry * dimension + row));
+  }
 
-  int pose_columns_ = 0;
   int intrinsics_count_ = 0;
+  int tail_ = 2;  // intrinsics, zeros, right-hand side
+  bool for_scores_ = false;
   double cost_ = 0.0;
-  std::vector<LandmarkRows> rows_;  // per landmark
-  std::vector<LandmarkGroup> groups_;
+  SegmentStructure structure_;
+  Transfers transfers_;
+  std::vector<PairFactors> pair_factors_;
+  std::vector<LandmarkFactors> landmark_factors_;
 
-  Eigen::MatrixXd hessian_;           // x by x, lower triangle
-  Eigen::VectorXd gradient_;          // x
-  Eigen::MatrixXd track_gradients_;   // x by landmarks: each one's share of gradient_
-  Eigen::MatrixXd coupling_;          // landmark rows by x
-  Eigen::MatrixXd landmark_hessian_;  // landmark rows by 3, lower triangles
-  Eigen::VectorXd landmark_gradient_;
+  // Per pair, (6 + tail)^2: J^T J for columns (translation between the two, rotation of the
+  // observing one, tail), expanded into the poses once.
+  std::vector<double> pair_products_;
+  // (poses, tail)^2, lower triangle: H with the right-hand side as the last column.
+  Eigen::MatrixXd normal_;
+  // Per landmark, from couplings_[coupling_begin_[l]]: for each entry 6 x dimension, then tail x
+  // dimension.
+  std::vector<std::size_t> coupling_begin_;
+  std::vector<double> couplings_;
+  std::vector<Eigen::Matrix3d> landmark_hessian_;  // lower triangle
+  // Per landmark, for each entry 6, then the tail: its track's share of the gradient.
+  std::vector<std::size_t> score_begin_;
+  std::vector<double> scores_;
 
-  // After eliminate(): Cholesky factors of the landmark blocks, rows whitened with them, and a
-  // factor F of the inverse of the poses' system, S_pp^-1 = F F^T.
-  Eigen::MatrixXd landmark_factor_;
-  Eigen::MatrixXd whitened_coupling_;
-  Eigen::VectorXd whitened_gradient_;
+  // After eliminate(): Cholesky factors of the landmark blocks, the poses' system, the tail with
+  // factors of the poses' eliminated.
+  std::vector<Eigen::Matrix3d> landmark_cholesky_;
+  std::vector<double> whitened_;  // scratch: the couplings of one landmark
   Eigen::MatrixXd schur_;
-  Eigen::VectorXd schur_gradient_;
-  Eigen::MatrixXd pose_factor_;
-  Eigen::MatrixXd pose_coupling_;    // F^T S_pc
-  Eigen::VectorXd pose_projection_;  // F^T s_p
-  IntrinsicsMatrix reduced_hessian_;
-  Intrinsics reduced_gradient_;
-
-  // Scratch of linearize(), one entry a keyframe or a landmark.
-  std::vector<PoseMatrices> poses_;
-  std::vector<Eigen::Vector3d> rays_;
-  std::vector<RayIntrinsicsJacobian> ray_jacobians_;
-  std::vector<char> ray_valid_;
+  PseudoInverse poses_inverse_;
+  Eigen::MatrixXd whitened_tail_;  // F^T S_pt, with S_pp^-1 = F F^T
+  Eigen::MatrixXd solved_tail_;    // S_pp^-1 S_pt
+  Eigen::MatrixXd reduced_;        // tail by tail
 };
 
-/// 1 / sqrt(value), or 0 for what is not positive: scales a matrix to a unit diagonal.
-inline double inverseRoot(double value) { return value > 0.0 ? 1.0 / std::sqrt(value) : 0.0; }
-
-/// F with `F F^T` the pseudo-inverse of a symmetric positive semi-definite matrix (lower triangle
-/// used): triangular where its Cholesky factorisation is sound, else from the eigenvectors above
-/// `rank_tolerance` after scaling to a unit diagonal.
-Eigen::MatrixXd inverseFactor(const Eigen::MatrixXd& matrix, double rank_tolerance);
-
-/// The robust cost of one block at its present state, as LinearSegment::cost.
+/// The robust cost of one block at its present state, as LinearSegment::cost. `transfers` lends
+/// memory.
+double robustCost(const SegmentBlock& block, const Camera& camera, double huber,
+                  Transfers* transfers);
 double robustCost(const SegmentBlock& block, const Camera& camera, double huber);
 
 }  // namespace camera_self_calibration

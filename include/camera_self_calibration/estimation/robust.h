@@ -16,9 +16,27 @@ inline double huberWeight(double norm, double threshold) {
   return threshold <= 0.0 || norm <= threshold ? 1.0 : threshold / norm;
 }
 
+/// Both for a squared norm: the cost, and the root of the weight. Takes a root only beyond the
+/// threshold.
+struct HuberLoss {
+  double cost;
+  double root_weight;
+
+  HuberLoss(double squared_norm, double threshold) : cost(0.5 * squared_norm), root_weight(1.0) {
+    if (threshold <= 0.0 || squared_norm <= threshold * threshold) return;
+    const double norm = std::sqrt(squared_norm);
+    cost = huberCost(norm, threshold);
+    root_weight = std::sqrt(huberWeight(norm, threshold));
+  }
+};
+
 /// What an observation costs that cannot be predicted (its point lies behind the camera, say): as
 /// much as a residual of this many pixels, so that no step gains by losing points.
 constexpr double kUnpredictableResidualPx = 50.0;
+
+inline double unpredictableCost(double sigma, double threshold) {
+  return huberCost(kUnpredictableResidualPx / sigma, threshold);
+}
 
 /// Upper quantile of the chi-square distribution: the value exceeded with this probability.
 double chiSquareQuantile(int degrees_of_freedom, double exceed_probability);

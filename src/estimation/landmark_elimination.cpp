@@ -1,0 +1,175 @@
+// Nested elimination: landmarks, then poses; and back.
+
+#include <cmath>
+
+#include "camera_self_calibration/estimation/linear_segment.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Lower Cholesky factor of a landmark's damped block, with the reciprocals of the pivots on its
+// diagonal; a direction without information has a zero there, and so does not move.
+Eigen::Matrix3d landmarkCholesky(const Eigen::Matrix3d& hessian, int dimension, double damping) {
+  Eigen::Matrix3d factor = Eigen::Matrix3d::Zero();
+  const double largest = hessian.diagonal().maxCoeff();
+  for (int j = 0; j < dimension; ++j) {
+    double pivot = hessian(j, j) * (1.0 + damping);
+    for (int k = 0; k < j; ++k) pivot -= factor(j, k) * factor(j, k);
+    if (!(pivot > 1e-13 * hessian(j, j) && pivot > 1e-24 * largest)) continue;
+    factor(j, j) = 1.0 / std::sqrt(pivot);
+    for (int i = j + 1; i < dimension; ++i) {
+      double value = hessian(i, j);
+      for (int k = 0; k < j; ++k) value -= factor(i, k) * factor(j, k);
+      factor(i, j) = value * factor(j, j);
+    }
+  }
+  return factor;
+}
+
+}  // namespace
+
+void LinearSegment::eliminate(double damping) {
+  schur_ = normal_;
+  schur_.diagonal() *= 1.0 + damping;
+  if (tail_ == 2) eliminateLandmarks<2>(damping);
+  if (tail_ == 6) eliminateLandmarks<6>(damping);
+  if (tail_ == 10) eliminateLandmarks<10>(damping);
+  eliminatePoses();
+}
+
+template <int kTail>
+void LinearSegment::eliminateLandmarks(double damping) {
+  landmark_cholesky_.resize(structure_.landmarks.size());
+  for (std::size_t l = 0; l < structure_.landmarks.size(); ++l) {
+    const int dimension = structure_.landmarks[l].dimension;
+    landmark_cholesky_[l] = landmarkCholesky(landmark_hessian_[l], dimension, damping);
+    if (dimension == 1) {
+      eliminateLandmark<kTail, 1>(l);
+    } else {
+      eliminateLandmark<kTail, 3>(l);
+    }
+  }
+}
+
+// S -= U U^T with U = W L^-T, W the landmark's coupling to the poses that see it and to the tail.
+template <int kTail, int kDimension>
+void LinearSegment::eliminateLandmark(std::size_t l) {
+  using Pose = Eigen::Matrix<double, 6, kDimension>;
+  using Tail = Eigen::Matrix<double, kTail, kDimension>;
+  const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
+  const Eigen::Matrix3d& factor = landmark_cholesky_[l];
+  const auto whiten = [&factor](auto* rows) {
+    for (int j = 0; j < kDimension; ++j) {
+      for (int k = 0; k < j; ++k) rows->col(j) -= factor(j, k) * rows->col(k);
+      rows->col(j) *= factor(j, j);
+    }
+  };
+  const int size = 6 * kDimension;
+  const double* couplings = couplings_.data() + coupling_begin_[l];
+  whitened_.resize(static_cast<std::size_t>(place.entries * size));
+  Tail tail = Eigen::Map<const Tail>(couplings + place.entries * size);
+  whiten(&tail);
+  const int last = poseColumns();
+  schur_.template block<kTail, kTail>(last, last).noalias() -= tail * tail.transpose();
+  for (int a = 0; a < place.entries; ++a) {
+    Eigen::Map<Pose> rows(whitened_.data() + a * size);
+    rows = Eigen::Map<const Pose>(couplings + a * size);
+    whiten(&rows);
+    const int at = 6 * structure_.entry_poses[place.first_entry + a];
+    schur_.template block<kTail, 6>(last, at).noalias() -= tail * rows.transpose();
+    for (int b = 0; b <= a; ++b) {
+      const Eigen::Map<const Pose> others(whitened_.data() + b * size);
+      const int other = 6 * structure_.entry_poses[place.first_entry + b];
+      if (at >= other) {
+        schur_.template block<6, 6>(at, other).noalias() -= rows * others.transpose();
+      } else {
+        schur_.template block<6, 6>(other, at).noalias() -= others * rows.transpose();
+      }
+    }
+  }
+}
+
+void LinearSegment::eliminatePoses() {
+  const int p = poseColumns();
+  poses_inverse_.compute(schur_.topLeftCorner(p, p), kRankTolerance);
+  poses_inverse_.whiten(schur_.bottomLeftCorner(tail_, p).transpose(), &whitened_tail_);
+  poses_inverse_.unwhiten(whitened_tail_, &solved_tail_);
+  reduced_ = schur_.bottomRightCorner(tail_, tail_);
+  reduced_.noalias() -= whitened_tail_.transpose() * whitened_tail_;
+}
+
+IntrinsicsMatrix LinearSegment::reducedHessian() const {
+  return reduced_.topLeftCorner(intrinsics_count_, intrinsics_count_)
+      .selfadjointView<Eigen::Lower>();
+}
+
+Intrinsics LinearSegment::reducedGradient() const {
+  return reduced_.row(tail_ - 1).head(intrinsics_count_).transpose();
+}
+
+// L^-T L^-1 (b - W^T x)
+Eigen::Vector3d LinearSegment::landmarkStep(std::size_t l,
+                                            const Eigen::Ref<const Eigen::VectorXd>& poses,
+                                            const Intrinsics& intrinsics) const {
+  const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
+  const Eigen::Matrix3d& factor = landmark_cholesky_[l];
+  Eigen::Vector3d step = Eigen::Vector3d::Zero();
+  for (int j = 0; j < place.dimension; ++j) {
+    const double* tail = landmarkTail(l, j);
+    double value = tail[tail_ - 1];
+    for (int k = 0; k < intrinsics.size(); ++k) value -= tail[k] * intrinsics(k);
+    for (int e = 0; e < place.entries; ++e) {
+      value -= landmarkEntry(l, e, j).dot(
+          poses.segment<6>(6 * structure_.entry_poses[place.first_entry + e]));
+    }
+    for (int k = 0; k < j; ++k) value -= factor(j, k) * step(k);
+    step(j) = value * factor(j, j);
+  }
+  for (int j = place.dimension - 1; j >= 0; --j) {
+    for (int k = j + 1; k < place.dimension; ++k) step(j) -= factor(k, j) * step(k);
+    step(j) *= factor(j, j);
+  }
+  return step;
+}
+
+void LinearSegment::backSubstitute(const Intrinsics& intrinsics_step,
+                                   Eigen::Ref<Eigen::VectorXd> own) const {
+  auto poses = own.head(poseColumns());
+  poses = solved_tail_.col(tail_ - 1);
+  poses.noalias() -= solved_tail_.leftCols(intrinsics_count_) * intrinsics_step;
+  for (std::size_t l = 0; l < structure_.landmarks.size(); ++l) {
+    const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
+    const Eigen::Vector3d step = landmarkStep(l, poses, intrinsics_step);
+    const int first = place.dimension - place.rows();
+    for (int j = first; j < place.dimension; ++j) {
+      own(poseColumns() + place.row + j - first) = step(j);
+    }
+  }
+}
+
+IntrinsicsMatrix LinearSegment::trackScores() const {
+  const int c = intrinsics_count_;
+  IntrinsicsMatrix sum = IntrinsicsMatrix::Zero(c, c);
+  if (c == 0) return sum;
+  const Eigen::VectorXd still = Eigen::VectorXd::Zero(poseColumns());
+  for (std::size_t l = 0; l < structure_.landmarks.size(); ++l) {
+    const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
+    const Eigen::Vector3d step = landmarkStep(l, still, Intrinsics::Zero(c));
+    // Of the track's share of the gradient, what its landmark leaves over.
+    const double* shares = scores_.data() + score_begin_[l];
+    Intrinsics score = Eigen::Map<const Eigen::VectorXd>(shares + 6 * place.entries, c);
+    for (int j = 0; j < place.dimension; ++j) {
+      score -= step(j) * Eigen::Map<const Eigen::VectorXd>(landmarkTail(l, j), c);
+    }
+    for (int e = 0; e < place.entries; ++e) {
+      Vector6d rest = Eigen::Map<const Vector6d>(shares + 6 * e);
+      for (int j = 0; j < place.dimension; ++j) rest -= step(j) * landmarkEntry(l, e, j);
+      const int at = 6 * structure_.entry_poses[place.first_entry + e];
+      score.noalias() -= solved_tail_.block(at, 0, 6, c).transpose() * rest;
+    }
+    sum += score * score.transpose();
+  }
+  return sum;
+}
+
+}  // namespace camera_self_calibration
