@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "pixel_grid.h"
@@ -67,24 +68,19 @@ double refine(const std::vector<PixelRay>& grid, Camera* camera) {
   return current;
 }
 
-// Cameras that agree with the source at the axis; several for fov, whose cost is not convex in w.
-std::vector<Camera> starts(const Camera& source, CameraModel target) {
-  if (source.model() == target) return {source};
-  Eigen::Vector2d pixel;
-  Matrix23d j;
-  if (!source.project(Eigen::Vector3d::UnitZ(), &pixel, &j)) return {};
+// Cameras with this fx fy cx cy at the axis; several for fov, whose cost is not convex in w.
+std::vector<Camera> starts(const Eigen::Vector4d& axis, int width, int height, CameraModel target) {
   Intrinsics p = Intrinsics::Zero(Camera::parameterCount(target));
-  // For a fov source this is the closed form f_e = s f, s = 2 tan(w/2) / w.
-  p.head<4>() << j(0, 0), j(1, 1), pixel.x(), pixel.y();
+  p.head<4>() = axis;
   std::vector<Camera> cameras;
   if (target == CameraModel::kFov) {
     for (const double w : {0.1, 0.5, 0.9, 1.3, 1.8}) {
-      p.head<2>() = j.diagonal().head<2>() * w / (2.0 * std::tan(0.5 * w));
+      p.head<2>() = axis.head<2>() * w / (2.0 * std::tan(0.5 * w));
       p[4] = w;
-      cameras.emplace_back(target, source.width(), source.height(), p);
+      cameras.emplace_back(target, width, height, p);
     }
   } else {
-    cameras.emplace_back(target, source.width(), source.height(), p);
+    cameras.emplace_back(target, width, height, p);
     cameras.back().setEstimateK3(true);  // radtan: plumb_bob has five coefficients
   }
   return cameras;
@@ -104,14 +100,11 @@ PixelError directDistance(const Camera& camera, const std::vector<PixelRay>& gri
   return error;
 }
 
-}  // namespace
-
-std::optional<CameraFit> fitCamera(const Camera& source, CameraModel target) {
-  const std::vector<PixelRay> grid = pixelGrid(source);
+std::optional<CameraFit> bestFit(const std::vector<PixelRay>& grid, std::vector<Camera> from) {
   if (grid.size() < 2 * kMaxIntrinsics) return std::nullopt;
   std::optional<Camera> best;
   double best_cost = std::numeric_limits<double>::infinity();
-  for (Camera& camera : starts(source, target)) {
+  for (Camera& camera : from) {
     const double c = refine(grid, &camera);
     if (c < best_cost) {
       best = camera;
@@ -119,8 +112,34 @@ std::optional<CameraFit> fitCamera(const Camera& source, CameraModel target) {
     }
   }
   if (!best) return std::nullopt;
-  best->setEstimateK3(source.estimatedCount() == kMaxIntrinsics);
   return CameraFit{*best, directDistance(*best, grid)};
+}
+
+}  // namespace
+
+std::optional<CameraFit> fitCamera(const Camera& source, CameraModel target) {
+  std::vector<Camera> from = {source};
+  if (source.model() != target) {
+    Eigen::Vector2d pixel;
+    Matrix23d j;
+    if (!source.project(Eigen::Vector3d::UnitZ(), &pixel, &j)) return std::nullopt;
+    // For a fov source this is the closed form f_e = s f, s = 2 tan(w/2) / w.
+    from =
+        starts({j(0, 0), j(1, 1), pixel.x(), pixel.y()}, source.width(), source.height(), target);
+  }
+  std::optional<CameraFit> fit = bestFit(pixelGrid(source), std::move(from));
+  if (fit) fit->camera.setEstimateK3(source.estimatedCount() == kMaxIntrinsics);
+  return fit;
+}
+
+std::optional<CameraFit> fitCamera(const RationalPolynomial& source, int width, int height,
+                                   CameraModel target) {
+  const auto unproject = [&](const Eigen::Vector2d& pixel) { return source.unproject(pixel); };
+  const Eigen::Vector4d axis(source.fx, source.fy, source.cx, source.cy);
+  std::optional<CameraFit> fit =
+      bestFit(pixelGrid(width, height, unproject), starts(axis, width, height, target));
+  if (fit) fit->camera.setEstimateK3(false);
+  return fit;
 }
 
 }  // namespace camera_self_calibration

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
+#include <optional>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
@@ -15,5 +17,10 @@ struct PixelRay {
 /// The points of a 40 x 30 grid over the image, its border included, that have a ray and lie at
 /// most `max_radius_px` from the principal point.
 std::vector<PixelRay> pixelGrid(const Camera& camera, double max_radius_px = 1e9);
+
+/// The points of that grid over an image of this size [px] that `unproject` gives a ray for.
+std::vector<PixelRay> pixelGrid(
+    int width, int height,
+    const std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>& unproject);
 
 }  // namespace camera_self_calibration

@@ -79,20 +79,6 @@ RationalPolynomial withoutDenominator(const Camera& source) {
 
 }  // namespace
 
-bool RationalPolynomial::project(const Eigen::Vector3d& point, Eigen::Vector2d* pixel) const {
-  const auto& k = coefficients;
-  const double x = point.x() / point.z();
-  const double y = point.y() / point.z();
-  const double q = x * x + y * y;
-  const double d = 1.0 + q * (k[5] + q * (k[6] + q * k[7]));
-  if (!(point.z() > 0.0) || !(d > 0.0)) return false;
-  const double scale = (1.0 + q * (k[0] + q * (k[1] + q * k[4]))) / d;
-  const double u = x * scale + 2.0 * k[2] * x * y + k[3] * (q + 2.0 * x * x);
-  const double v = y * scale + k[2] * (q + 2.0 * y * y) + 2.0 * k[3] * x * y;
-  *pixel = Eigen::Vector2d(fx * u + cx, fy * v + cy);
-  return pixel->allFinite();
-}
-
 std::optional<RationalFit> fitRationalPolynomial(const Camera& source) {
   const std::vector<PixelRay> grid = pixelGrid(source);
   Eigen::Vector2d centre;

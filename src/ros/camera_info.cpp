@@ -12,6 +12,14 @@ namespace {
 
 constexpr std::size_t kPlumbBobCount = 5;
 constexpr std::size_t kEquidistantCount = 4;
+constexpr std::size_t kRationalCount = 8;
+
+bool isZero(double value) { return value == 0.0; }
+
+bool isRational(const sensor_msgs::CameraInfo& info) {
+  return info.distortion_model == sensor_msgs::distortion_models::RATIONAL_POLYNOMIAL &&
+         info.D.size() == kRationalCount;
+}
 
 void setMatrices(const Intrinsics& p, sensor_msgs::CameraInfo* info) {
   info->K = {p[0], 0.0, p[2], 0.0, p[1], p[3], 0.0, 0.0, 1.0};
@@ -82,26 +90,38 @@ sensor_msgs::CameraInfo uncalibratedCameraInfo(int width, int height) {
 
 std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info) {
   if (!(info.K[0] > 0.0 && info.K[4] > 0.0)) return std::nullopt;
+  const bool rational = isRational(info);
   const bool plumb_bob = info.distortion_model == sensor_msgs::distortion_models::PLUMB_BOB;
   const bool equidistant = info.distortion_model == sensor_msgs::distortion_models::EQUIDISTANT;
   const std::size_t count = equidistant ? kEquidistantCount : kPlumbBobCount;
-  if (!(plumb_bob || equidistant) || (!info.D.empty() && info.D.size() != count)) {
+  std::vector<double> d = info.D;
+  if (rational && std::all_of(d.begin() + kPlumbBobCount, d.end(), isZero)) d.resize(count);
+  if (!(plumb_bob || equidistant || rational) || (!d.empty() && d.size() != count)) {
     return std::nullopt;
   }
   std::vector<double> values = {info.K[0], info.K[4], info.K[2], info.K[5]};
   CameraModel model = equidistant ? CameraModel::kEquidistant : CameraModel::kPinhole;
-  const bool distorted =
-      std::any_of(info.D.begin(), info.D.end(), [](double d) { return d != 0.0; });
-  if (plumb_bob && distorted) {
+  if (equidistant) {
+    d.resize(kEquidistantCount, 0.0);
+    values.insert(values.end(), d.begin(), d.end());
+  } else if (!std::all_of(d.begin(), d.end(), isZero)) {
     model = CameraModel::kRadtan;
-    values.insert(values.end(), info.D.begin(), info.D.end() - (info.D[4] == 0.0 ? 1 : 0));
-  } else if (equidistant) {
-    values.insert(values.end(), info.D.begin(), info.D.end());
-    values.resize(4 + kEquidistantCount, 0.0);
+    values.insert(values.end(), d.begin(), d.end() - (isZero(d.back()) ? 1 : 0));
   }
-  const Camera camera(model, static_cast<int>(info.width), static_cast<int>(info.height),
-                      Eigen::Map<const Eigen::VectorXd>(values.data(), values.size()));
+  const Camera camera(
+      model, static_cast<int>(info.width), static_cast<int>(info.height),
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
   return camera.valid() ? std::optional<Camera>(camera) : std::nullopt;
+}
+
+std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info, CameraModel model) {
+  std::optional<Camera> camera = toCamera(info);
+  if (camera || !isRational(info) || !(info.K[0] > 0.0 && info.K[4] > 0.0)) return camera;
+  RationalPolynomial polynomial{info.K[0], info.K[4], info.K[2], info.K[5], {}};
+  std::copy(info.D.begin(), info.D.end(), polynomial.coefficients.begin());
+  const std::optional<CameraFit> fit =
+      fitCamera(polynomial, static_cast<int>(info.width), static_cast<int>(info.height), model);
+  return fit && fit->camera.valid() ? std::optional<Camera>(fit->camera) : std::nullopt;
 }
 
 }  // namespace camera_self_calibration

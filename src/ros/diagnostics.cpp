@@ -30,6 +30,11 @@ void Diagnostics::setTopic(const std::string& topic) {
   topic_ = topic;
 }
 
+void Diagnostics::watch(const FactoryCalibration* factory_calibration) {
+  factory_ = factory_calibration;
+  updater_.add("factory calibration", this, &Diagnostics::factory);
+}
+
 void Diagnostics::update(const FrameResult& result, std::int64_t dropped_images) {
   const std::lock_guard<std::mutex> lock(mutex_);
   frame_ = result;
@@ -118,6 +123,19 @@ void Diagnostics::queue(Status& status) {
   status.add("segments", queue.segments.size());
   status.add("swaps", queue.swaps);
   status.add("last_accepted", queue.last_accepted);
+}
+
+void Diagnostics::factory(Status& status) {
+  const FactoryComparison comparison = factory_->comparison();
+  const bool fine = comparison.verdict == FactoryVerdict::kAgrees ||
+                    comparison.verdict == FactoryVerdict::kWaiting;
+  status.summary(fine ? DiagnosticStatus::OK : DiagnosticStatus::WARN, comparison.sentence);
+  if (comparison.verdict != FactoryVerdict::kAgrees &&
+      comparison.verdict != FactoryVerdict::kDiffers) {
+    return;
+  }
+  status.add("difference rms [px]", comparison.distance.rms);
+  status.add("difference max [px]", comparison.distance.max);
 }
 
 void Diagnostics::timing(Status& status) {

@@ -24,6 +24,16 @@ class Reader {
     problems_->push_back(name + " must be " + typeName(*value));
   }
 
+  /// A name that may be "off", which is false where YAML reads it without quotes.
+  void orOff(const std::string& name, std::string* value) {
+    bool on = true;
+    if (node_.getParam(name, on) && !on) {
+      *value = "off";
+    } else {
+      (*this)(name, value);
+    }
+  }
+
  private:
   const ros::NodeHandle& node_;
   std::vector<std::string>* problems_;
@@ -53,6 +63,8 @@ void readPipeline(Reader& read, NodeOptions* options) {
 
 void readInterface(Reader& read, NodeOptions* options) {
   read("image_transport", &options->image_transport);
+  read.orOff("camera_info_input", &options->camera_info_input);
+  read("factory_warn_px", &options->factory_warn_px);
   read("world_frame", &options->world_frame);
   read("child_frame", &options->child_frame);
   read("publish_tf", &options->publish_tf);
@@ -92,6 +104,12 @@ std::vector<std::string> NodeOptions::problems() const {
     problems.push_back("image_transport is '" + image_transport +
                        "'; it must be raw, compressed or auto");
   }
+  if (camera_info_input != "off" && camera_info_input != "initial" &&
+      camera_info_input != "compare") {
+    problems.push_back("camera_info_input is '" + camera_info_input +
+                       "'; it must be off, initial or compare");
+  }
+  if (!(factory_warn_px > 0.0)) problems.push_back("factory_warn_px must be positive");
   if (!outputModelFromString(output_distortion_model)) {
     problems.push_back("output_distortion_model is '" + output_distortion_model +
                        "'; it must be auto, plumb_bob, rational_polynomial or equidistant");

@@ -1,15 +1,15 @@
 #include "camera_self_calibration/ros/self_calibration_node.h"
 
+#include <image_transport/camera_common.h>
+
 namespace camera_self_calibration {
 namespace {
 
-/// The start values of the parameters for images of this size.
-std::optional<Camera> initialCamera(const NodeOptions& options, int width, int height) {
-  const std::vector<double>& values = options.initial_intrinsics;
-  if (values.empty()) return std::nullopt;
-  return Camera(
-      options.pipeline.model, width, height,
-      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+/// As image_transport::CameraSubscriber: beside the images, unless `camera_info` is remapped.
+std::string cameraInfoTopic(const ros::NodeHandle& node) {
+  const std::string remapped = node.resolveName("camera_info");
+  if (remapped != node.resolveName("camera_info", false)) return remapped;
+  return image_transport::getCameraInfoTopic(node.resolveName("image"));
 }
 
 CameraInfoOptions cameraInfoOptions(const NodeOptions& options) {
@@ -42,14 +42,22 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
     stayIdle(reading.problems);
     return;
   }
+  if (options_.camera_info_input != "off") {
+    factory_ =
+        std::make_unique<FactoryCalibration>(cameraInfoTopic(node_), options_.factory_warn_px);
+    diagnostics_->watch(factory_.get());
+  }
+  start_camera_ = std::make_unique<StartCamera>(&options_, factory_.get());
   results_ = std::make_unique<ResultPublisher>(private_node_, options_);
   camera_publisher_ = std::make_unique<CameraPublisher>(private_node_, camera_info_policy_.get());
   session_ = std::make_unique<CalibrationSession>(options_.pipeline, callbacks());
+  if (factory_) factory_->subscribe(node_);
   input_->subscribe();
 }
 
 SelfCalibrationNode::~SelfCalibrationNode() {
   input_->shutdown();
+  if (factory_) factory_->shutdown();
   diagnostics_timer_.stop();
   session_.reset();
 }
@@ -76,8 +84,15 @@ void SelfCalibrationNode::onImage(const InputImage& image) {
 
 bool SelfCalibrationNode::ready() {
   if (session_->running()) return true;
-  const std::string problem =
-      session_->start(initialCamera(options_, monitor_.width(), monitor_.height()));
+  const StartDecision start =
+      start_camera_->decide(monitor_.width(), monitor_.height(), ros::WallTime::now());
+  if (start.wait) return false;
+  if (start.warning) {
+    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << start.sentence);
+  } else if (!start.sentence.empty()) {
+    ROS_INFO_STREAM(private_node_.getNamespace() << ": " << start.sentence);
+  }
+  const std::string problem = session_->start(start.camera);
   if (!problem.empty()) stayIdle({problem});
   return problem.empty();
 }
@@ -93,6 +108,7 @@ Callbacks SelfCalibrationNode::callbacks() {
     const std::string warning = camera_info_policy_->update(report);
     if (!warning.empty()) ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
     diagnostics_->update(report);
+    if (factory_) factory_->update(report);
     results_->publish(report);
   };
   callbacks.event = [this](const Event& event) {

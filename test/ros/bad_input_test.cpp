@@ -143,15 +143,21 @@ TEST_F(BadInput, DamagedCompressedImagesAreNamed) {
 /// Every parameter as text, in the order of config/parameters.yaml.
 std::vector<std::string> valuesOf(const NodeOptions& options) {
   const Options& pipeline = options.pipeline;
-  std::vector<std::string> values = {options.model,           toString(pipeline.model),
-                                     options.image_transport, options.world_frame,
-                                     options.child_frame,     options.output_distortion_model,
-                                     options.projection,      options.score};
+  std::vector<std::string> values = {options.model,
+                                     toString(pipeline.model),
+                                     options.image_transport,
+                                     options.world_frame,
+                                     options.child_frame,
+                                     options.output_distortion_model,
+                                     options.projection,
+                                     options.score,
+                                     options.camera_info_input};
   for (const double value : options.initial_intrinsics) values.push_back(std::to_string(value));
   for (const double value : {options.publish_uncalibrated ? 1.0 : 0.0,
                              options.publish_tf ? 1.0 : 0.0,
                              options.invert_tf ? 1.0 : 0.0,
                              options.min_publish_change_px,
+                             options.factory_warn_px,
                              1.0 * options.path_poses,
                              1.0 * pipeline.tracker.max_features,
                              pipeline.tracker.min_distance_px,
@@ -182,11 +188,11 @@ TEST(ReadNodeOptions, TheParameterFileHoldsTheDefaults) {
 TEST(ReadNodeOptions, EveryParameterOfTheFileIsRead) {
   const NodeOptionsReading reading = readNodeOptions(ros::NodeHandle("/others"));
   EXPECT_TRUE(reading.problems.empty());
-  std::vector<std::string> expected = {"plumb_bob",           "radtan", "raw",  "here", "eye",
-                                       "rational_polynomial", "fixed",  "pixel"};
+  std::vector<std::string> expected = {"plumb_bob",           "radtan", "raw",   "here",   "eye",
+                                       "rational_polynomial", "fixed",  "pixel", "compare"};
   for (const double value :
-       {400.0, 401.0, 320.0, 240.0, -0.2, 0.1, 0.0, 0.0,  0.01, 1.0,   0.0, 1.0, 0.5, 7.0, 99.0,
-        9.5,   0.02,  4.0,   0.6,   8.0,  9.0, 6.0, 21.0, 1.0,  -30.5, 0.9, 0.4, 3.0, 5.0}) {
+       {400.0, 401.0, 320.0, 240.0, -0.2, 0.1, 0.0, 0.0, 0.01, 1.0, 0.0,   1.0, 0.5, 2.5, 7.0,
+        99.0,  9.5,   0.02,  4.0,   0.6,  8.0, 9.0, 6.0, 21.0, 1.0, -30.5, 0.9, 0.4, 3.0, 5.0}) {
     expected.push_back(std::to_string(value));
   }
   EXPECT_EQ(valuesOf(reading.options), expected);

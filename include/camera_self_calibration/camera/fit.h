@@ -4,6 +4,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/camera/rational_polynomial.h"
 
 namespace camera_self_calibration {
 
@@ -19,5 +20,10 @@ struct CameraFit {
 /// `s = 2 tan(w/2)/w, f_e = s f`). A radtan fit has five coefficients. Nothing where no fit is
 /// possible (too few pixels have rays).
 std::optional<CameraFit> fitCamera(const Camera& source, CameraModel target);
+
+/// The same for a lens that others describe by a rational polynomial, over an image of this size
+/// [px]. k3 of a radtan fit is fitted, but not among the parameters to estimate.
+std::optional<CameraFit> fitCamera(const RationalPolynomial& source, int width, int height,
+                                   CameraModel target);
 
 }  // namespace camera_self_calibration

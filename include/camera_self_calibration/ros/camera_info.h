@@ -39,7 +39,10 @@ sensor_msgs::CameraInfo uncalibratedCameraInfo(int width, int height);
 
 /// The camera that a CameraInfo describes: "plumb_bob" gives radtan (k3 only if not 0; pinhole if
 /// all coefficients are 0), "equidistant" equidistant. Nothing for other names, wrong lengths or an
-/// uncalibrated message.
+/// uncalibrated message. "rational_polynomial" gives radtan if it is one (k4 = k5 = k6 = 0).
 std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info);
+
+/// The same, and for a "rational_polynomial" that is no radtan the camera of `model` that fits it.
+std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info, CameraModel model);
 
 }  // namespace camera_self_calibration

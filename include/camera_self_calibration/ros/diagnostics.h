@@ -8,6 +8,7 @@
 
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/ros/camera_info_policy.h"
+#include "camera_self_calibration/ros/factory_calibration.h"
 #include "camera_self_calibration/ros/input_monitor.h"
 
 namespace camera_self_calibration {
@@ -22,6 +23,8 @@ class Diagnostics {
   /// The node cannot work, for these reasons.
   void setProblems(const std::vector<std::string>& problems);
   void setTopic(const std::string& topic);
+  /// Adds what the comparison with the factory calibration comes to; it must outlive this object.
+  void watch(const FactoryCalibration* factory);
   void update(const FrameResult& result, std::int64_t dropped_images);
   void update(const CalibrationReport& report);
   void update(const InputCounts& input);
@@ -45,11 +48,13 @@ class Diagnostics {
   void calibration(Status& status);
   void queue(Status& status);
   void timing(Status& status);
+  void factory(Status& status);
   void addCameraInfo(Status* status) const;
   bool addProblems(Status* status) const;
 
   diagnostic_updater::Updater updater_;
   const CameraInfoPolicy* camera_info_;
+  const FactoryCalibration* factory_ = nullptr;
   mutable std::mutex mutex_;
   std::string problems_;
   std::string topic_;

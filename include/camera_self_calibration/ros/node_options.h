@@ -12,12 +12,14 @@ namespace camera_self_calibration {
 /// The parameters of the node; config/parameters.yaml explains each.
 struct NodeOptions {
   Options pipeline;
-  std::string model = "fov";  ///< Name of pipeline.model.
+  std::string model = "fov";      ///< Name of pipeline.model.
   std::string score = "entropy";  ///< Name of pipeline.score.
   /// Start values in the order of the model's parameters; empty: a guess from the image size.
   std::vector<double> initial_intrinsics;
 
-  std::string image_transport = "auto";     ///< raw | compressed | auto.
+  std::string image_transport = "auto";   ///< raw | compressed | auto.
+  std::string camera_info_input = "off";  ///< off | initial | compare.
+  double factory_warn_px = 1.0;  ///< A factory calibration further off is a warning [px rms].
   std::string world_frame = "selfcal_map";  ///< Of poses; its origin and scale are arbitrary.
   std::string child_frame;                  ///< Empty: the frame_id of the images.
   bool publish_tf = true;

@@ -11,10 +11,12 @@
 #include "camera_self_calibration/ros/camera_info_policy.h"
 #include "camera_self_calibration/ros/camera_publisher.h"
 #include "camera_self_calibration/ros/diagnostics.h"
+#include "camera_self_calibration/ros/factory_calibration.h"
 #include "camera_self_calibration/ros/image_input.h"
 #include "camera_self_calibration/ros/input_monitor.h"
 #include "camera_self_calibration/ros/node_options.h"
 #include "camera_self_calibration/ros/result_publisher.h"
+#include "camera_self_calibration/ros/start_camera.h"
 
 namespace camera_self_calibration {
 
@@ -44,6 +46,8 @@ class SelfCalibrationNode {
   // Used by the calibrator's threads, so they outlive it.
   std::atomic<std::int64_t> dropped_images_{0};
   std::unique_ptr<CameraInfoPolicy> camera_info_policy_;
+  std::unique_ptr<FactoryCalibration> factory_;  // Null with camera_info_input: off.
+  std::unique_ptr<StartCamera> start_camera_;
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<ResultPublisher> results_;
   std::unique_ptr<CameraPublisher> camera_publisher_;

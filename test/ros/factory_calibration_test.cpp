@@ -1,0 +1,156 @@
+#include "camera_self_calibration/ros/factory_calibration.h"
+
+#include <gtest/gtest.h>
+
+#include "camera/sample_cameras.h"
+#include "camera_self_calibration/ros/camera_info.h"
+#include "camera_self_calibration/ros/start_camera.h"
+
+namespace camera_self_calibration {
+namespace {
+
+const Camera kLens = camera640(CameraModel::kFov, {311, 310, 327, 233, 0.93});
+
+CalibrationReport liveReport(const Camera& camera, double uncertainty_px) {
+  CalibrationReport report;
+  report.camera = camera;
+  report.state = CalibrationState::kConverged;
+  report.uncertainty = {uncertainty_px, 2.0 * uncertainty_px};
+  report.revision = 1;
+  return report;
+}
+
+Camera stretched(double factor) {
+  Camera camera = kLens;
+  Intrinsics p = camera.parameters();
+  p.head<2>() *= factor;
+  camera.setParameters(p);
+  return camera;
+}
+
+TEST(FactoryCalibration, SaysWhatIsMissing) {
+  FactoryCalibration factory("/camera/camera_info", 1.0);
+  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kNoMessage);
+  EXPECT_NE(factory.comparison().sentence.find("/camera/camera_info"), std::string::npos);
+  factory.update(liveReport(kLens, 0.1));
+  factory.take(uncalibratedCameraInfo(640, 480));
+  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kUncalibrated);
+  sensor_msgs::CameraInfo strange = toCameraInfo(kLens)->info;
+  strange.distortion_model = "thin_prism";
+  factory.take(strange);
+  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kUnusable);
+  EXPECT_NE(factory.comparison().sentence.find("thin_prism"), std::string::npos);
+  factory.take(toCameraInfo(Camera::defaultGuess(CameraModel::kPinhole, 320, 240))->info);
+  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kUnusable);
+  EXPECT_NE(factory.comparison().sentence.find("320x240"), std::string::npos);
+}
+
+TEST(FactoryCalibration, ComparesOnlyWithAConvergedCalibration) {
+  FactoryCalibration factory("info", 1.0);
+  factory.take(toCameraInfo(stretched(1.05))->info);
+  CalibrationReport report = liveReport(kLens, 0.1);
+  report.state = CalibrationState::kConverging;
+  factory.update(report);
+  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kWaiting);
+}
+
+TEST(FactoryCalibration, WarnsOfADifferenceThatIsLargeAndSignificant) {
+  FactoryCalibration factory("info", 1.0);
+  factory.update(liveReport(kLens, 0.1));
+  factory.take(toCameraInfo(kLens)->info);
+  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kAgrees);
+  EXPECT_LT(factory.comparison().distance.rms, 0.02);
+  factory.take(toCameraInfo(stretched(1.05))->info);
+  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kDiffers);
+  EXPECT_NEAR(factory.comparison().distance.rms, pixelDistance(kLens, stretched(1.05)).rms, 0.05);
+  // The live calibration itself may be that far off.
+  CalibrationReport vague = liveReport(kLens, 20.0);
+  vague.revision = 2;
+  factory.update(vague);
+  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kAgrees);
+}
+
+TEST(FactoryCalibration, StartsInTheModelToEstimate) {
+  FactoryCalibration factory("info", 1.0);
+  std::string problem;
+  EXPECT_FALSE(factory.startFor(CameraModel::kFov, 640, 480, &problem));
+  EXPECT_FALSE(problem.empty());
+  factory.take(toCameraInfo(kLens)->info);  // equidistant
+  for (const CameraModel model : {CameraModel::kFov, CameraModel::kEquidistant}) {
+    const auto start = factory.startFor(model, 640, 480, &problem);
+    ASSERT_TRUE(start) << toString(model) << ": " << problem;
+    EXPECT_EQ(start->model(), model);
+    EXPECT_LT(pixelDistance(kLens, *start).rms, 0.05);
+  }
+  EXPECT_FALSE(factory.startFor(CameraModel::kFov, 320, 240, &problem));
+  EXPECT_NE(problem.find("320x240"), std::string::npos);
+}
+
+// Where w = 0 the fov model does not feel a change of w: an estimate from there would stay.
+TEST(FactoryCalibration, AFovCalibrationDoesNotStartWithoutDistortion) {
+  FactoryCalibration factory("info", 1.0);
+  const Camera pinhole = camera640(CameraModel::kPinhole, {500, 500, 320, 240});
+  factory.take(toCameraInfo(pinhole)->info);
+  std::string problem;
+  const auto start = factory.startFor(CameraModel::kFov, 640, 480, &problem);
+  ASSERT_TRUE(start) << problem;
+  EXPECT_GE(start->parameters()[4], 0.2);
+  EXPECT_LT(pixelDistance(pinhole, *start).rms, 1.0);
+}
+
+TEST(FactoryCalibration, ReadsARationalPolynomialByAFit) {
+  FactoryCalibration factory("info", 1.0);
+  const auto info = toCameraInfo(kLens, OutputModel::kRationalPolynomial)->info;
+  ASSERT_NE(info.D[5], 0.0);
+  factory.take(info);
+  factory.update(liveReport(kLens, 0.1));
+  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kAgrees) << factory.comparison().sentence;
+  std::string problem;
+  const auto start = factory.startFor(CameraModel::kFov, 640, 480, &problem);
+  ASSERT_TRUE(start) << problem;
+  EXPECT_LT(pixelDistance(kLens, *start).rms, 0.01);
+}
+
+TEST(FactoryCalibration, KnowsBinningAndRegion) {
+  FactoryCalibration factory("info", 1.0);
+  sensor_msgs::CameraInfo info = toCameraInfo(kLens)->info;
+  info.binning_x = info.binning_y = 2;
+  factory.take(info);
+  EXPECT_FALSE(factory.windowFor(640, 480));
+  ASSERT_TRUE(factory.windowFor(320, 240));
+  std::string problem;
+  const auto start = factory.startFor(CameraModel::kFov, 320, 240, &problem);
+  ASSERT_TRUE(start) << problem;
+  EXPECT_NEAR(start->parameters()[0], 155.5, 0.1);
+}
+
+TEST(StartCamera, WaitsForTheFactoryButNotForEver) {
+  NodeOptions options;
+  options.camera_info_input = "initial";
+  FactoryCalibration factory("info", 1.0);
+  StartCamera start(&options, &factory);
+  EXPECT_TRUE(start.decide(640, 480, ros::WallTime(10.0)).wait);
+  EXPECT_TRUE(start.decide(640, 480, ros::WallTime(12.0)).wait);
+  StartDecision late = start.decide(640, 480, ros::WallTime(14.0));
+  EXPECT_FALSE(late.wait);
+  EXPECT_TRUE(late.warning);
+  EXPECT_FALSE(late.camera);
+  factory.take(toCameraInfo(kLens)->info);
+  StartDecision decision = start.decide(640, 480, ros::WallTime(14.1));
+  EXPECT_FALSE(decision.wait || decision.warning);
+  ASSERT_TRUE(decision.camera);
+  EXPECT_EQ(decision.camera->model(), options.pipeline.model);
+}
+
+TEST(StartCamera, TakesTheParametersForTheFirstSizeOnly) {
+  NodeOptions options;
+  options.initial_intrinsics = {300, 300, 320, 240, 0.9};
+  StartCamera start(&options, nullptr);
+  const StartDecision decision = start.decide(640, 480, ros::WallTime(1.0));
+  ASSERT_TRUE(decision.camera);
+  EXPECT_EQ(decision.camera->parameters()[0], 300.0);
+  EXPECT_FALSE(start.decide(320, 240, ros::WallTime(2.0)).camera);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
