@@ -95,7 +95,7 @@ TEST(FactoryCalibration, AFovCalibrationDoesNotStartWithoutDistortion) {
   const auto start = factory.startFor(CameraModel::kFov, 640, 480, &problem);
   ASSERT_TRUE(start) << problem;
   EXPECT_GE(start->parameters()[4], 0.2);
-  EXPECT_LT(pixelDistance(pinhole, *start).rms, 1.0);
+  EXPECT_LT(pixelDistance(pinhole, *start).rms, 1.5) << "of 640 px";
 }
 
 TEST(FactoryCalibration, ReadsARationalPolynomialByAFit) {
