@@ -1,6 +1,7 @@
 #include "camera_self_calibration/calibration/growth.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -68,6 +69,8 @@ Segment prefixOf(const Segment& segment, int keyframes, int min_views,
   Segment prefix;
   prefix.sequence = segment.sequence;
   prefix.keyframes.assign(segment.keyframes.begin(), segment.keyframes.begin() + keyframes);
+  prefix.earlier_camera = segment.earlier_camera;
+  prefix.earlier_keyframes = std::min(segment.earlier_keyframes, keyframes);
   std::vector<int> views(segment.landmarks.size(), 0);
   for (const Observation& observation : segment.observations) {
     views[observation.landmark] += observation.keyframe < keyframes;
@@ -96,36 +99,75 @@ void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, 
   }
 }
 
-double growByKeyframe(int k, bool free_intrinsics, double max_inverse_depth_ratio, Segment* segment,
-                      Camera* camera) {
+namespace {
+
+// Far from the solution all residuals are large: the sigma follows them, so that the robust weight
+// still tells outliers from the rest; within bounds, since where nothing can be predicted there is
+// no residual to follow.
+double provisionalScale(const SegmentBlock& block, const Camera& camera) {
+  constexpr double kMaxScale = 1000.0;
+  const double scale = medianResidualScale(block, camera);
+  return std::isfinite(scale) ? std::clamp(scale, 1.0, kMaxScale) : kMaxScale;
+}
+
+// A first pose and first depths for keyframe `k`.
+void placeKeyframe(int k, const Camera& camera, Segment* segment) {
   auto& keyframes = segment->keyframes;
-  keyframes[k].world_from_camera = keyframes[k - 1].world_from_camera;
-  const PoseEstimate pose =
-      solvePose(*camera, viewsOf(*segment, k, *camera), keyframes[k].world_from_camera, kHuber, 20);
-  keyframes[k].world_from_camera = pose.world_from_camera;
-  const double depth = medianDepthAt(*segment, k, *camera);
+  Rigid3& pose = keyframes[k].world_from_camera;
+  pose = keyframes[k - 1].world_from_camera;
+  const PoseEstimate solved = solvePose(camera, viewsOf(*segment, k, camera), pose, kHuber, 20);
+  if (solved.usable) pose = solved.world_from_camera;
+  const double depth = medianDepthAt(*segment, k, camera);
   for (Landmark& landmark : segment->landmarks) {
     if (landmark.reference == k) landmark.inverse_depth = depth;
   }
+}
 
+// No motion, unit depths, first rays.
+void forget(const Camera& camera, Segment* segment) {
+  for (Keyframe& keyframe : segment->keyframes) keyframe.world_from_camera = Rigid3();
+  for (Landmark& landmark : segment->landmarks) landmark.inverse_depth = 1.0;
+  for (const Observation& observation : segment->observations) {
+    Landmark& landmark = segment->landmarks[observation.landmark];
+    if (landmark.anchored || observation.keyframe != landmark.reference) continue;
+    if (const auto ray = camera.unproject(observation.pixel)) landmark.bearing = *ray;
+  }
+}
+
+}  // namespace
+
+double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera) {
+  placeKeyframe(k, *camera, segment);
   std::vector<int> landmark_index;
   Segment prefix = prefixOf(*segment, k + 1, 1, &landmark_index);
   if (prefix.observations.empty()) return std::numeric_limits<double>::infinity();
-  SolverOptions options;
-  options.huber = kHuber;
-  options.max_iterations = 12;
-  options.step_tolerance = 1e-2;
-  options.cost_tolerance = 1e-4;
-  Problem problem{camera, free_intrinsics, {freeBlock(&prefix, *camera)}};
-  // Far from the solution all residuals are large: the sigma follows them, so that the robust
-  // weight still tells outliers from the rest.
+  SolverOptions solver;
+  solver.huber = kHuber;
+  // A long batch moves little by one keyframe more.
+  solver.max_iterations = k < 12 ? 12 : 6;
+  solver.step_tolerance = 1e-2;
+  solver.cost_tolerance = 1e-4;
+  Problem problem;
+  problem.camera = camera;
+  problem.estimate_intrinsics = k + 1 >= options.free_after_keyframes;
+  problem.blocks = {freeBlock(&prefix, *camera)};
+  problem.prior = options.prior;
   SegmentBlock& block = problem.blocks.front();
-  block.sigma_scale = std::max(1.0, medianResidualScale(block, *camera));
-  solve(problem, options);
-  restartRunawayDepths(max_inverse_depth_ratio, &prefix);
+  block.sigma_scale = provisionalScale(block, *camera);
+  solve(problem, solver);
+  restartRunawayDepths(options.max_inverse_depth_ratio, &prefix);
   adoptPrefix(prefix, landmark_index, segment);
   block.sigma_scale = 1.0;
   return robustCost(block, *camera, kHuber);
+}
+
+double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera) {
+  forget(*camera, segment);
+  double cost = std::numeric_limits<double>::infinity();
+  for (int k = 1; k < static_cast<int>(segment->keyframes.size()); ++k) {
+    cost = growByKeyframe(options, k, segment, camera);
+  }
+  return cost;
 }
 
 }  // namespace camera_self_calibration

@@ -19,6 +19,7 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
   Problem problem;
   problem.camera = camera;
   problem.estimate_intrinsics = options.estimate_intrinsics;
+  problem.prior = options.prior;
   for (int round = 0;; ++round) {
     if (segment->observations.empty()) return fit;
     problem.blocks = {freeBlock(segment, *camera)};

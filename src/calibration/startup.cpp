@@ -6,11 +6,9 @@
 #include <map>
 #include <optional>
 
-#include "camera_self_calibration/calibration/growth.h"
 #include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
-#include "camera_self_calibration/map/map.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -39,35 +37,27 @@ std::vector<Camera> otherGuesses(const Camera& initial) {
   return guesses;
 }
 
-// How many keyframes of a segment end with the newest one of `solved`: usually all but one, fewer
-// where keyframes came faster than they were solved, none where the two do not meet.
-int keyframesUpTo(const Segment& solved, const Segment& segment) {
-  if (solved.keyframes.empty()) return 0;
-  int count = static_cast<int>(segment.keyframes.size());
-  while (count > 0 && segment.keyframes[count - 1].id != solved.keyframes.back().id) --count;
-  return count;
+// Whether the newest solved keyframe is among those of the history.
+bool continues(const Segment& solved, const Segment& history) {
+  if (solved.keyframes.empty()) return false;
+  const std::int64_t newest = solved.keyframes.back().id;
+  return std::any_of(history.keyframes.begin(), history.keyframes.end(),
+                     [newest](const Keyframe& keyframe) { return keyframe.id == newest; });
 }
+
+constexpr PixelError kUnknown = {std::numeric_limits<double>::infinity(),
+                                 std::numeric_limits<double>::infinity()};
 
 }  // namespace
 
-double bootstrap(const StartupOptions& options, Segment* segment, Camera* camera) {
-  for (Keyframe& keyframe : segment->keyframes) keyframe.world_from_camera = Rigid3();
-  for (Landmark& landmark : segment->landmarks) {
-    landmark.inverse_depth = 1.0;
-    if (landmark.anchored) continue;
-    for (const Observation& observation : segment->observations) {
-      if (&segment->landmarks[observation.landmark] == &landmark) {
-        if (const auto ray = camera->unproject(observation.pixel)) landmark.bearing = *ray;
-        break;
-      }
-    }
-  }
-  double cost = std::numeric_limits<double>::infinity();
-  for (int k = 1; k < static_cast<int>(segment->keyframes.size()); ++k) {
-    cost = growByKeyframe(k, k + 1 >= options.free_after_keyframes, options.max_inverse_depth_ratio,
-                          segment, camera);
-  }
-  return cost;
+IntrinsicsPrior vaguePrior(const Camera& about) {
+  IntrinsicsPrior prior{about.parameters(), about.parameters()};
+  const double width = about.width();
+  prior.sigma.fill(about.model() == CameraModel::kEquidistant ? 0.3 : 1.0);
+  prior.sigma.head<2>().fill(0.7 * width);
+  prior.sigma.segment<2>(2).fill(0.2 * width);
+  if (about.model() == CameraModel::kRadtan) prior.sigma.segment<2>(6).fill(0.1);
+  return prior;
 }
 
 Startup::Startup(const StartupOptions& options, const Camera& initial) : options_(options) {
@@ -76,78 +66,68 @@ Startup::Startup(const StartupOptions& options, const Camera& initial) : options
 
 void Startup::reset(const Camera& initial) {
   initial_ = camera_ = initial;
+  options_.growth.prior = vaguePrior(initial);
   segment_ = Segment();
-  information_ = IntrinsicsMatrix();
+  information_ = covariance_ = IntrinsicsMatrix();
+  uncertainty_ = kUnknown;
   residual_scale_ = 1.0;
   usable_ = false;
+  told_ = false;
   added_ = 0;
   next_retry_ = kFirstRetry;
 }
 
-void Startup::keepKnown(Segment* segment) const {
-  std::map<std::int64_t, const Keyframe*> keyframes;
-  for (const Keyframe& keyframe : segment_.keyframes) keyframes[keyframe.id] = &keyframe;
-  std::map<std::int64_t, const Landmark*> landmarks;
-  for (const Landmark& landmark : segment_.landmarks) landmarks[landmark.track_id] = &landmark;
-  for (Keyframe& keyframe : segment->keyframes) {
-    const auto known = keyframes.find(keyframe.id);
-    if (known != keyframes.end()) keyframe.world_from_camera = known->second->world_from_camera;
-  }
-  for (Landmark& landmark : segment->landmarks) {
-    const auto found = landmarks.find(landmark.track_id);
-    if (found == landmarks.end()) continue;
-    const Landmark& known = *found->second;
-    const Keyframe& known_reference = segment_.keyframes[known.reference];
-    if (known_reference.id == segment->keyframes[landmark.reference].id) {
-      landmark.bearing = known.bearing;
-      landmark.inverse_depth = known.inverse_depth;
-    } else {
-      landmark.inverse_depth = transferInverseDepth(
-          known_reference.world_from_camera, known.bearing, known.inverse_depth,
-          segment->keyframes[landmark.reference].world_from_camera);
-    }
-  }
+bool Startup::tellsLens() const {
+  return usable_ && uncertainty_.rms < options_.useless_uncertainty_share * camera_.width();
 }
 
-void Startup::add(const Segment& segment) {
-  const int keyframes = static_cast<int>(segment.keyframes.size());
-  if (keyframes < 2) return;
-  const int known = keyframesUpTo(segment_, segment);
-  Segment grown = segment;
-  if (known > 0) {
-    keepKnown(&grown);
-    for (int k = known; k < keyframes; ++k) {
-      growByKeyframe(k, k + 1 >= options_.free_after_keyframes, options_.max_inverse_depth_ratio,
-                     &grown, &camera_);
-    }
-    added_ += keyframes - known;
+void Startup::add(const Segment& history) {
+  if (history.keyframes.size() < 2) return;
+  if (continues(segment_, history)) {
+    extend(history);
   } else {
     if (!usable_) camera_ = initial_;  // a lost map is no reason to forget the lens
-    bootstrap(options_, &grown, &camera_);
-    added_ = keyframes;
+    segment_ = history;
+    bootstrap(options_.growth, &segment_, &camera_);
+    added_ = static_cast<int>(history.keyframes.size());
     next_retry_ = kFirstRetry;
   }
-  segment_ = grown;
   judge();
   if (added_ >= next_retry_ &&
       (!usable_ || residual_scale_ * residual_scale_ > options_.retry_cost)) {
-    tryOtherGuesses(segment);
+    tryOtherGuesses();
+  }
+  while (static_cast<int>(segment_.keyframes.size()) > options_.max_keyframes) {
+    segment_ = withoutKeyframe(
+        segment_, leastInformative(options_.choice, segment_, camera_, options_.growth.prior));
   }
 }
 
-void Startup::tryOtherGuesses(const Segment& segment) {
+void Startup::extend(const Segment& history) {
+  const int known = static_cast<int>(segment_.keyframes.size());
+  segment_ = extended(segment_, history, camera_);
+  const int keyframes = static_cast<int>(segment_.keyframes.size());
+  for (int k = known; k < keyframes; ++k) {
+    growByKeyframe(options_.growth, k, &segment_, &camera_);
+  }
+  added_ += keyframes - known;
+}
+
+void Startup::tryOtherGuesses() {
   next_retry_ = next_retry_ * 3 / 2;
   // Compared over the first keyframes, whatever the length of the batch: bounded time.
-  const int keyframes = std::min(kRetryKeyframes, static_cast<int>(segment.keyframes.size()));
+  const int keyframes = std::min(kRetryKeyframes, static_cast<int>(segment_.keyframes.size()));
   std::vector<int> landmark_index;
-  const Segment start = prefixOf(segment, keyframes, 1, &landmark_index);
-  Segment present = prefixOf(segment_, keyframes, 1, &landmark_index);
+  const Segment start = prefixOf(segment_, keyframes, 1, &landmark_index);
+  Segment present = start;
   double best = usable_ ? robustCost(freeBlock(&present, camera_), camera_, kHuber)
                         : std::numeric_limits<double>::infinity();
   std::optional<Camera> better;
   for (Camera guess : otherGuesses(initial_)) {
     Segment trial = start;
-    const double cost = bootstrap(options_, &trial, &guess);
+    GrowthOptions growth = options_.growth;
+    growth.prior = vaguePrior(guess);
+    const double cost = bootstrap(growth, &trial, &guess);
     if (!(cost < kClearlyLess * best)) continue;
     best = cost;
     present = trial;
@@ -155,29 +135,33 @@ void Startup::tryOtherGuesses(const Segment& segment) {
   }
   if (!better) return;
   camera_ = *better;
-  segment_ = segment;
+  options_.growth.prior = vaguePrior(camera_);
   adoptPrefix(present, landmark_index, &segment_);
-  for (int k = keyframes; k < static_cast<int>(segment.keyframes.size()); ++k) {
-    growByKeyframe(k, true, options_.max_inverse_depth_ratio, &segment_, &camera_);
+  for (int k = keyframes; k < static_cast<int>(segment_.keyframes.size()); ++k) {
+    growByKeyframe(options_.growth, k, &segment_, &camera_);
   }
   judge();
 }
 
 void Startup::judge() {
   usable_ = false;
-  if (static_cast<int>(segment_.keyframes.size()) < options_.free_after_keyframes) return;
+  uncertainty_ = kUnknown;
+  if (static_cast<int>(segment_.keyframes.size()) < options_.growth.free_after_keyframes) return;
   Segment gated = segment_;
   Camera camera = camera_;
   SegmentFitOptions options;
-  options.max_iterations = 10;  // from the solution of one keyframe ago
+  // From the solution of one keyframe ago. What tells nothing has no sharp optimum to look for.
+  options.max_iterations = told_ ? 10 : 4;
+  options.prior = options_.growth.prior;
   const SegmentFit fit = fitSegment(options, &gated, &camera);
   if (!fit.usable || !camera.valid()) return;
   camera_ = camera;
   residual_scale_ = fit.residual_scale;
-  const double scale = fit.marginal.sigmaScale();
-  information_ = fit.marginal.information / (scale * scale);
+  setInformation(fit.marginal);
   usable_ = true;
-  if (fit.unexplained_sigma > 0.0) considerK3(gated);
+  if (fit.unexplained_sigma > 0.0 && tellsLens()) considerK3(gated);
+  told_ = tellsLens();
+  if (told_) options_.growth.prior.mean = camera_.parameters();
   // The gated solution is the better one; tracks that did not fit stay with their old depth, since
   // they may fit later.
   std::map<std::int64_t, const Landmark*> solved;
@@ -187,6 +171,13 @@ void Startup::judge() {
     const auto found = solved.find(landmark.track_id);
     if (found != solved.end()) landmark = *found->second;
   }
+}
+
+void Startup::setInformation(const Marginal& marginal) {
+  const double scale = marginal.sigmaScale();
+  information_ = marginal.information / (scale * scale);
+  covariance_ = covarianceFromInformation(information_).value_or(IntrinsicsMatrix());
+  uncertainty_ = covariance_.size() > 0 ? pixelUncertainty(camera_, covariance_) : kUnknown;
 }
 
 void Startup::considerK3(const Segment& gated) {
@@ -211,8 +202,7 @@ void Startup::considerK3(const Segment& gated) {
                        std::max(1.0, without.marginal.designEffect());
   if (ratio < options_.k3_likelihood_ratio) return;
   camera_ = camera;
-  const double scale = with.marginal.sigmaScale();
-  information_ = with.marginal.information / (scale * scale);
+  setInformation(with.marginal);
 }
 
 }  // namespace camera_self_calibration

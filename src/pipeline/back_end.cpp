@@ -13,10 +13,10 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Segments that disagree by more than this factor of their uncertainties are not describing one
 // camera, or one of them sits in a wrong minimum.
-constexpr double kMaxInflation = 10.0;
-// Distance of the queue's estimate from the startup batch's, over the batch's uncertainty, beyond
-// which the queue was filled from a start that turned out wrong.
-constexpr double kMaxStartupDistance = 10.0;
+constexpr double kMaxInflation = 5.0;
+// Distance of the queue's estimate from the startup batch's, over the sum of their uncertainties,
+// beyond which one of them is wrong.
+constexpr double kMaxStartupDistance = 4.0;
 
 std::string format(const char* text, double a, double b) {
   char buffer[200];
@@ -24,11 +24,17 @@ std::string format(const char* text, double a, double b) {
   return buffer;
 }
 
+StartupOptions startupOptions(const Options& options) {
+  StartupOptions startup;
+  startup.max_keyframes = options.startup_keyframes;
+  return startup;
+}
+
 }  // namespace
 
 BackEnd::BackEnd(const Options& options, const Camera& camera)
     : options_(options),
-      startup_(StartupOptions(), camera),
+      startup_(startupOptions(options), camera),
       queue_(options.queue_segments, options.alpha, options.score),
       estimate_(options.solver_threads) {
   report_.camera = camera;
@@ -41,7 +47,11 @@ BackEndOutput BackEnd::process(const KeyframeMessage& message) {
   report_.stamp_ns = message.candidate.endNs();
   report_.keyframes = message.keyframes;
   if (!handed_over_) runStartup(message);
-  if (handed_over_ || startup_.usable()) offerCandidate(message);
+  if (handed_over_ || startup_.tellsLens()) {
+    offerCandidate(message);
+  } else {
+    report_.queue.last_decision = "not considered: all keyframes together tell nothing yet";
+  }
   if (!handed_over_) considerHandover(report_.stamp_ns, &output.events);
   judge(report_.stamp_ns, &output.events);
   return finish(std::move(output));
@@ -122,19 +132,16 @@ std::shared_ptr<const LearntState> BackEnd::state() const {
 void BackEnd::runStartup(const KeyframeMessage& message) {
   startup_.add(message.history);
   if (!startup_.usable()) return;
-  changed_ = true;
+  // Intrinsics that nothing told would only do harm in front.
+  if (startup_.tellsLens()) changed_ = true;
   if (report_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
     clearQueue();  // its segments were scored for another number of parameters
   }
   report_.camera = startup_.camera();
-  report_.covariance = IntrinsicsMatrix();
-  report_.uncertainty = {kInfinity, kInfinity};
-  report_.entropy = kInfinity;
-  if (const auto covariance = covarianceFromInformation(startup_.information())) {
-    report_.covariance = *covariance;
-    report_.uncertainty = pixelUncertainty(report_.camera, *covariance);
-    report_.entropy = entropy(report_.camera, *covariance);
-  }
+  report_.covariance = startup_.covariance();
+  report_.uncertainty = startup_.uncertainty();
+  report_.entropy =
+      report_.covariance.size() > 0 ? entropy(report_.camera, report_.covariance) : kInfinity;
 }
 
 void BackEnd::clearQueue() {
@@ -189,10 +196,13 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
   const double threshold = 2.0 * options_.convergedRms(report_.camera.width());
   const PixelError uncertainty = pixelUncertainty(solution_.camera, solution_.covariance);
   const double distance = pixelDistance(solution_.camera, startup_.camera()).rms;
-  if (report_.uncertainty.rms < threshold &&
-      distance > kMaxStartupDistance * (report_.uncertainty.rms + uncertainty.rms)) {
-    clearQueue();
-    obstacle_ = "the stretches in the queue contradicted the whole and were let go";
+  const double limit = kMaxStartupDistance * (report_.uncertainty.rms + uncertainty.rms);
+  if (!(distance <= limit)) {
+    if (report_.uncertainty.rms < threshold) clearQueue();  // filled from a start that was wrong
+    obstacle_ = format(
+        "the separate stretches and the whole are %.1f px rms apart, at most %.1f is "
+        "believed",
+        distance, limit);
     return;
   }
   if (solution_.inflation > kMaxInflation) {

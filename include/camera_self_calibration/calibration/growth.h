@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/map/segment.h"
 
 namespace camera_self_calibration {
@@ -16,11 +17,20 @@ Segment prefixOf(const Segment& segment, int keyframes, int min_views,
 /// Takes poses and landmarks of a prefix back into the whole segment.
 void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, Segment* segment);
 
+struct GrowthOptions {
+  int free_after_keyframes = 4;  ///< From so many keyframes on the intrinsics are estimated.
+  double max_inverse_depth_ratio = 20.0;  ///< To the median; beyond, a depth starts over.
+  IntrinsicsPrior prior = {};             ///< Vague, against runaways.
+};
+
 /// One step of growing a solution: keyframe `k` starts at the pose of the one before, landmarks
 /// that appear there at the median depth; its pose is solved alone, then all keyframes up to it
-/// jointly, the intrinsics among them if `free_intrinsics`. Depths that run away (not positive, or
-/// `max_inverse_depth_ratio` times the median) start over. Returns the robust cost.
-double growByKeyframe(int k, bool free_intrinsics, double max_inverse_depth_ratio, Segment* segment,
-                      Camera* camera);
+/// jointly, the intrinsics among them if there are enough. Depths that run away (not positive, or
+/// far above the median) start over. Returns the robust cost.
+double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera);
+
+/// Solves a segment from no knowledge but `camera`'s guess, keyframe by keyframe (all poses and
+/// depths in it are overwritten). Returns the final robust cost; infinite where it failed.
+double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera);
 
 }  // namespace camera_self_calibration

@@ -16,6 +16,7 @@ struct SegmentFitOptions {
   double huber = 2.0;     ///< In sigmas.
   double step_tolerance = 1e-4;
   double cost_tolerance = 1e-7;
+  IntrinsicsPrior prior = {};  ///< Vague, against runaways; the marginal does not contain it.
 };
 
 struct SegmentFit {

@@ -1,49 +1,63 @@
 #pragma once
 
-#include <vector>
-
+#include "camera_self_calibration/calibration/growth.h"
+#include "camera_self_calibration/calibration/keyframe_choice.h"
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/map/segment.h"
 
 namespace camera_self_calibration {
 
 struct StartupOptions {
-  int free_after_keyframes = 4;  ///< From so many keyframes on the intrinsics are estimated.
+  GrowthOptions growth;          ///< Its prior is replaced by a vague one about the first guess.
+  KeyframeChoiceOptions choice;  ///< What to leave out when there are too many keyframes.
+  int max_keyframes = 30;        ///< In the batch.
   double retry_cost = 1.3;       ///< Squared residual scale above which other guesses are tried.
   /// Likelihood ratio (chi-square, 1 degree of freedom) above which radtan's k3 is estimated too.
   double k3_likelihood_ratio = 40.0;
-  double max_inverse_depth_ratio = 20.0;  ///< To the median; beyond, a depth starts over.
+  /// rms uncertainty over image width above which an estimate tells nothing of the lens.
+  double useless_uncertainty_share = 0.03;
 };
 
-/// The batch solution from no knowledge (section II-C): all keyframes so far (up to what it is
-/// given), all landmarks and the intrinsics, grown keyframe by keyframe so that each solve starts
-/// near. Where the result does not fit the tracker's sigma, a small grid of other first guesses is
-/// tried from the beginning. radtan starts with four distortion coefficients; k3 joins them when
-/// the observations demand it.
+/// The batch solution from no knowledge (section II-C): keyframes chosen for information,
+/// landmarks and the intrinsics, grown keyframe by keyframe so that each solve starts near. A full
+/// batch leaves out the keyframe that tells least, so that it waits at constant cost for motion
+/// that informs, and slow motion adds up. Where the result does not fit the tracker's sigma, a
+/// small grid of other first guesses is tried from the beginning. A vague prior about the last
+/// estimate that told something keeps what is not observed from running away. radtan starts with
+/// four distortion coefficients; k3 joins them when the observations demand it.
 class Startup {
  public:
   Startup(const StartupOptions& options, const Camera& initial);
 
-  /// `segment` holds the newest keyframe and those before it; known ones keep their solution.
-  void add(const Segment& segment);
+  /// `history` holds the newest keyframe and some before it; known ones keep their solution. One
+  /// that does not hold the batch's newest keyframe begins a new batch.
+  void add(const Segment& history);
 
   /// Starts again from these intrinsics at the next keyframe.
   void reset(const Camera& initial);
 
   const Camera& camera() const { return camera_; }
-  /// Solved; poses and depths of the newest keyframes.
+  /// Solved; poses and depths of the chosen keyframes.
   const Segment& segment() const { return segment_; }
   bool usable() const { return usable_; }
+  /// Whether it is usable and its uncertainty not useless: before, the motion told nothing.
+  bool tellsLens() const;
   /// Scaled by the residuals where they exceed the tracker's sigma; n_c x n_c.
   const IntrinsicsMatrix& information() const { return information_; }
+  /// Inverse of information(); empty where that is singular.
+  const IntrinsicsMatrix& covariance() const { return covariance_; }
+  /// Of camera(); infinite until it is usable and where the information is singular [px].
+  const PixelError& uncertainty() const { return uncertainty_; }
   /// Robust scale of the residuals against the tracker's own sigma (SegmentFit::residual_scale).
   double residualScale() const { return residual_scale_; }
 
  private:
-  void keepKnown(Segment* segment) const;
-  void tryOtherGuesses(const Segment& segment);
+  void extend(const Segment& history);
+  void tryOtherGuesses();
   void judge();
+  void setInformation(const Marginal& marginal);
   void considerK3(const Segment& gated);
 
   StartupOptions options_;
@@ -51,14 +65,17 @@ class Startup {
   Camera camera_;
   Segment segment_;
   IntrinsicsMatrix information_;
+  IntrinsicsMatrix covariance_;
+  PixelError uncertainty_;
   double residual_scale_ = 1.0;
   bool usable_ = false;
+  bool told_ = false;   // tellsLens() at the last keyframe that could be judged
   int added_ = 0;       // keyframes
   int next_retry_ = 0;  // count of keyframes at which other guesses are tried next
 };
 
-/// Solves a segment from no knowledge but `camera`'s guess, keyframe by keyframe (all poses and
-/// depths in it are overwritten). Returns the final robust cost; infinite where it failed.
-double bootstrap(const StartupOptions& options, Segment* segment, Camera* camera);
+/// Standard deviations that say nothing but that it is a camera: the focal length may be anything
+/// of the order of the image width, the centre anywhere in its middle.
+IntrinsicsPrior vaguePrior(const Camera& about);
 
 }  // namespace camera_self_calibration
