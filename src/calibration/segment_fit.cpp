@@ -8,6 +8,13 @@
 #include "camera_self_calibration/estimation/solver.h"
 
 namespace camera_self_calibration {
+namespace {
+
+// Tolerances of the solutions before the last (SolverOptions).
+constexpr double kRoughStep = 1e-2;
+constexpr double kRoughCost = 1e-4;
+
+}  // namespace
 
 SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera* camera) {
   SegmentFit fit;
@@ -20,11 +27,14 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
   problem.camera = camera;
   problem.estimate_intrinsics = options.estimate_intrinsics;
   problem.prior = options.prior;
-  for (int round = 0;; ++round) {
+  // Which tracks are outliers shows well before the solution has settled.
+  SolverOptions rough = solver;
+  rough.step_tolerance = std::max(solver.step_tolerance, kRoughStep);
+  rough.cost_tolerance = std::max(solver.cost_tolerance, kRoughCost);
+  for (int round = 0; round < options.gating_rounds; ++round) {
     if (segment->observations.empty()) return fit;
     problem.blocks = {freeBlock(segment, *camera)};
-    if (!solve(problem, solver).usable) return fit;
-    if (round == options.gating_rounds) break;
+    if (!solve(problem, rough).usable) return fit;
     const SegmentBlock& block = problem.blocks.front();
     if (round == 0) fit.residual_scale = medianResidualScale(block, *camera);
     const double unexplained = unexplainedSigma(block, *camera);
@@ -37,6 +47,9 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
     for (const int l : outliers) fit.removed_tracks.push_back(segment->landmarks[l].track_id);
     removeLandmarks(outliers, segment);
   }
+  if (segment->observations.empty()) return fit;
+  problem.blocks = {freeBlock(segment, *camera)};
+  if (!solve(problem, solver).usable) return fit;
   fit.marginal = marginalize(problem, options.huber);
   fit.usable = fit.marginal.information.allFinite();
   return fit;

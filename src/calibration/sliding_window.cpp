@@ -22,6 +22,19 @@ constexpr double kGrossSigmas = 5.0;
 // With so many points of estimated depth in view, points of guessed depth are not needed.
 constexpr std::size_t kEnoughKnownPoints = 15;
 
+// Landmarks that fixed keyframes alone see: they tell nothing of the others.
+std::vector<int> seenByFixedAlone(const Segment& segment, int fixed_keyframes) {
+  std::vector<char> alone(segment.landmarks.size(), 1);
+  for (const Observation& observation : segment.observations) {
+    if (observation.keyframe >= fixed_keyframes) alone[observation.landmark] = 0;
+  }
+  std::vector<int> result;
+  for (std::size_t l = 0; l < alone.size(); ++l) {
+    if (alone[l] != 0) result.push_back(static_cast<int>(l));
+  }
+  return result;
+}
+
 SolverOptions windowSolver() {
   SolverOptions options;
   options.max_iterations = 8;
@@ -182,6 +195,7 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
   if (map_.keyframes().size() < 2) return outlier_ids;
   const int conditioning = conditioningCount();
   Segment segment = map_.lastKeyframes(options_.active_keyframes + conditioning, camera_);
+  removeLandmarks(seenByFixedAlone(segment, conditioning), &segment);
   SegmentBlock block = freeBlock(&segment, camera_);
   if (conditioning >= 2) {
     const double baseline = (segment.keyframes[0].world_from_camera.translation -

@@ -70,20 +70,20 @@ void LinearSegment::eliminateLandmark(std::size_t l) {
   Tail tail = Eigen::Map<const Tail>(couplings + place.entries * size);
   whiten(&tail);
   const int last = poseColumns();
-  schur_.template block<kTail, kTail>(last, last).noalias() -= tail * tail.transpose();
+  schur_.template block<kTail, kTail>(last, last) -= tail.lazyProduct(tail.transpose());
   for (int a = 0; a < place.entries; ++a) {
     Eigen::Map<Pose> rows(whitened_.data() + a * size);
     rows = Eigen::Map<const Pose>(couplings + a * size);
     whiten(&rows);
     const int at = 6 * structure_.entry_poses[place.first_entry + a];
-    schur_.template block<kTail, 6>(last, at).noalias() -= tail * rows.transpose();
+    schur_.template block<kTail, 6>(last, at) -= tail.lazyProduct(rows.transpose());
     for (int b = 0; b <= a; ++b) {
       const Eigen::Map<const Pose> others(whitened_.data() + b * size);
       const int other = 6 * structure_.entry_poses[place.first_entry + b];
       if (at >= other) {
-        schur_.template block<6, 6>(at, other).noalias() -= rows * others.transpose();
+        schur_.template block<6, 6>(at, other) -= rows.lazyProduct(others.transpose());
       } else {
-        schur_.template block<6, 6>(other, at).noalias() -= others * rows.transpose();
+        schur_.template block<6, 6>(other, at) -= others.lazyProduct(rows.transpose());
       }
     }
   }

@@ -115,7 +115,8 @@ void LinearSegment::addObservations(const SegmentBlock& block, const Camera& cam
       continue;
     }
     const auto offset = static_cast<std::size_t>(place.pair) * Product::SizeAtCompileTime;
-    Eigen::Map<Product>(pair_products_.data() + offset).noalias() += row.x * row.x.transpose();
+    // Eigen would call its kernel for large matrices.
+    Eigen::Map<Product>(pair_products_.data() + offset) += row.x.lazyProduct(row.x.transpose());
     if (landmark.anchored) {
       addToLandmark<kTail, 1>(place, observation.landmark, row);
     } else {
@@ -183,8 +184,9 @@ void LinearSegment::addToLandmark(const SegmentStructure::ObservationPlace& plac
   Eigen::Matrix<double, kDimension, 2> own = row.landmark.template topRows<kDimension>();
   if (landmark_place.depth_fixed) own.row(0).setZero();
   landmark_hessian_[landmark].template topLeftCorner<kDimension, kDimension>() +=
-      own * own.transpose();
-  const Eigen::Matrix<double, kLocal + kTail, kDimension> coupling = row.x * own.transpose();
+      own.lazyProduct(own.transpose());
+  const Eigen::Matrix<double, kLocal + kTail, kDimension> coupling =
+      row.x.lazyProduct(own.transpose());
   addCoupling<kTail, kDimension>(place, landmark_place, coupling,
                                  couplings_.data() + coupling_begin_[landmark]);
   if (!for_scores_) return;
@@ -234,9 +236,9 @@ void LinearSegment::expandPair(int fixed_keyframes, std::size_t p) {
   const Eigen::Matrix<double, kTail, 6> tail = product.template bottomLeftCorner<kTail, 6>();
   const Matrix66d reference = localFromReference(factors.transfer.rotation, factors.lever);
   if (r >= 0) {
-    const Matrix66d half = local * reference;
-    normal_.block<6, 6>(r, r).noalias() += reference.transpose() * half;
-    normal_.template block<kTail, 6>(last, r).noalias() += tail * reference;
+    const Matrix66d half = local.lazyProduct(reference);
+    normal_.block<6, 6>(r, r).noalias() += reference.transpose().lazyProduct(half);
+    normal_.template block<kTail, 6>(last, r).noalias() += tail.lazyProduct(reference);
     if (i >= 0) {
       Matrix66d cross = half;
       cross.topRows<3>() *= -1.0;

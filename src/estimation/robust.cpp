@@ -49,7 +49,7 @@ double chiSquareQuantile(int degrees_of_freedom, double exceed_probability) {
   double low = 0.0;
   double high = degrees_of_freedom + 10.0;
   while (chiSquareExceedance(high, degrees_of_freedom) > exceed_probability) high *= 2.0;
-  for (int i = 0; i < 100; ++i) {
+  while (high - low > 1e-13 * high) {
     const double middle = 0.5 * (low + high);
     (chiSquareExceedance(middle, degrees_of_freedom) > exceed_probability ? low : high) = middle;
   }

@@ -111,7 +111,7 @@ ceres::Solver::Options solverOptions(const BatchOptions& options) {
   ceres_options.max_num_iterations = options.max_iterations;
   ceres_options.num_threads = std::max(1, options.threads);
   // Landmarks are eliminated first; Ceres finds the blocks that can be.
-  ceres_options.linear_solver_type = ceres::SPARSE_SCHUR;
+  ceres_options.linear_solver_type = options.small ? ceres::DENSE_SCHUR : ceres::SPARSE_SCHUR;
   // An oracle goes down to rounding.
   ceres_options.function_tolerance = 1e-15;
   ceres_options.gradient_tolerance = 1e-14;

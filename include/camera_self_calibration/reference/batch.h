@@ -23,6 +23,9 @@ struct BatchOptions {
   int max_iterations = 200;
   int threads = 1;
   bool estimate_intrinsics = true;  ///< False: the camera stays as it is.
+  /// For some dozen keyframes a dense Schur complement is the faster one; for long trajectories a
+  /// sparse one is.
+  bool small = false;
 };
 
 struct BatchSummary {
