@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 
@@ -109,6 +110,62 @@ TEST(Startup, WaitsWhereMotionDoesNotInform) {
       EXPECT_GT(pixelUncertainty(startup.camera(), *covariance).rms, 8.0)
           << toString(motion) << " " << toString(truth.model());
     }
+  }
+}
+
+// Motion that tells nothing, longer than the batch is: it stays full, and the intrinsics stay sane.
+TEST(Startup, WaitsAtConstantSizeWithoutRunningAway) {
+  const SimulatedSegment made =
+      longSegment(ordinaryCameras()[0], MotionKind::kForwardOnly, 2, kSanitized ? 14 : 24);
+  const Camera guess = Camera::defaultGuess(made.camera.model(), 640, 480);
+  const Segment history = forgotten(made.segment, guess);
+  StartupOptions options;
+  options.max_keyframes = 12;
+  options.choice.keep_newest = 6;
+  Startup startup(options, guess);
+  for (int k = 2; k <= static_cast<int>(history.keyframes.size()); ++k) {
+    std::vector<int> index;
+    startup.add(prefixOf(history, k, 1, &index));
+    EXPECT_EQ(startup.segment().keyframes.size(), std::min(k, 12));
+    EXPECT_EQ(startup.segment().keyframes.back().id, history.keyframes[k - 1].id);
+    EXPECT_FALSE(startup.tellsLens()) << k;
+    EXPECT_GT(startup.camera().parameters()(0), 80.0) << k;
+    EXPECT_LT(startup.camera().parameters()(0), 1600.0) << k;
+  }
+}
+
+// Half of the keyframes of a slow motion left out: the rest tell more than as many newest ones.
+TEST(Startup, RemembersWhatToldTheLens) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment made = longSegment(truth, MotionKind::kHandheld, 3, 24);
+  const Camera guess = Camera::defaultGuess(truth.model(), 640, 480);
+  const Segment history = forgotten(made.segment, guess);
+  StartupOptions options;
+  options.max_keyframes = 12;
+  options.choice.keep_newest = 6;
+  Startup chosen(options, guess), newest(options, guess);
+  for (int k = 2; k <= 24; ++k) {
+    std::vector<int> index;
+    chosen.add(prefixOf(history, k, 1, &index));
+  }
+  Segment last = history;
+  while (last.keyframes.size() > 12) last = withoutKeyframe(last, 0);
+  newest.add(last);
+  EXPECT_TRUE(isRight(chosen, truth));
+  EXPECT_EQ(chosen.segment().keyframes.size(), 12u);
+  EXPECT_LT(chosen.uncertainty().rms, 0.8 * newest.uncertainty().rms);
+}
+
+TEST(GrowByKeyframe, BearsWhatCannotBePredicted) {
+  const SimulatedSegment made = longSegment(ordinaryCameras()[0], MotionKind::kHandheld, 3, 6);
+  Segment segment = made.segment;
+  segment.keyframes[2].world_from_camera.rotation = Eigen::Quaterniond(0.0, 0.0, 1.0, 0.0);
+  Camera camera = made.camera;
+  const double cost = growByKeyframe(GrowthOptions(), 3, &segment, &camera);
+  EXPECT_TRUE(std::isfinite(cost));
+  EXPECT_TRUE(camera.valid());
+  for (const Keyframe& keyframe : segment.keyframes) {
+    EXPECT_TRUE(keyframe.world_from_camera.translation.allFinite());
   }
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,7 @@ struct Record {
 struct TrackRunOptions {
   MotionKind motion = MotionKind::kHandheld;
   double motion_speed = 0.6;
+  std::optional<Trajectory> trajectory;  ///< If given, in place of the motion.
   double pixel_sigma = 0.25;
   double outlier_share = 0.0;
   std::uint64_t seed = 1;
@@ -96,6 +98,7 @@ class TrackRun {
   static constexpr std::int64_t kStartNs = 1000000000;
 
   static Trajectory motionOf(const TrackRunOptions& run) {
+    if (run.trajectory) return *run.trajectory;
     SyntheticMotionOptions options;
     options.kind = run.motion;
     options.speed = run.motion_speed;
