@@ -47,6 +47,7 @@ std::string illPosed(const CandidateOptions& options, const Candidate& candidate
 Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segment,
                             const Camera& start) {
   Candidate candidate;
+  candidate.observed = segment;
   candidate.segment = segment;
   candidate.camera = start;
   if (static_cast<int>(segment.keyframes.size()) < options.min_keyframes) {

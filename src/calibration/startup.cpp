@@ -28,8 +28,8 @@ std::vector<Camera> otherGuesses(const Camera& initial) {
           Camera::defaultGuess(initial.model(), initial.width(), initial.height()).parameters();
       parameters(0) = parameters(1) = focal * width;
       if (initial.model() == CameraModel::kFov) parameters(4) = w;
-      Camera camera = initial;
-      camera.setParameters(parameters);
+      Camera camera(initial.model(), initial.width(), initial.height(), parameters);
+      if (initial.estimatedCount() == kMaxIntrinsics) camera.setEstimateK3(true);
       guesses.push_back(camera);
       if (initial.model() != CameraModel::kFov) break;
     }

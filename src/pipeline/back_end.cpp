@@ -34,6 +34,7 @@ StartupOptions startupOptions(const Options& options) {
 
 BackEnd::BackEnd(const Options& options, const Camera& camera)
     : options_(options),
+      model_choice_(ModelChoiceOptions()),
       startup_(startupOptions(options), camera),
       queue_(options.queue_segments, options.alpha, options.score),
       estimate_(options.solver_threads) {
@@ -46,6 +47,7 @@ BackEndOutput BackEnd::process(const KeyframeMessage& message) {
   BackEndOutput output;
   report_.stamp_ns = message.candidate.endNs();
   report_.keyframes = message.keyframes;
+  considerModel(message);
   if (!handed_over_) runStartup(message);
   if (handed_over_ || startup_.tellsLens()) {
     offerCandidate(message);
@@ -86,8 +88,9 @@ BackEndOutput BackEnd::hold(const KeyframeMessage& message, const std::string& r
 
 bool BackEnd::restore(const LearntState& state) {
   const Camera& own = report_.camera;
-  if (!state.problems().empty() || state.camera.model() != own.model() ||
-      state.camera.width() != own.width() || state.camera.height() != own.height()) {
+  const bool same_model = options_.choose_model || state.camera.model() == own.model();
+  if (!state.problems().empty() || !same_model || state.camera.width() != own.width() ||
+      state.camera.height() != own.height()) {
     return false;
   }
   BackEnd restored = *this;
@@ -144,6 +147,35 @@ void BackEnd::runStartup(const KeyframeMessage& message) {
       report_.covariance.size() > 0 ? entropy(report_.camera, report_.covariance) : kInfinity;
 }
 
+void BackEnd::considerModel(const KeyframeMessage& message) {
+  if (!options_.choose_model || !(handed_over_ || startup_.usable())) return;
+  model_choice_.observe(message.candidate);
+  std::vector<Segment> observed;
+  for (const Candidate& candidate : estimate_.candidates()) {
+    const bool restored = candidate.observed.keyframes.empty();
+    observed.push_back(restored ? candidate.segment : candidate.observed);
+  }
+  const std::optional<Camera> camera =
+      model_choice_.consider(report_.keyframes, observed, report_.camera, options_.solver_threads);
+  report_.models = model_choice_.evidence();
+  if (camera) switchModel(*camera, observed);
+}
+
+// The queue's segments stay, scored anew; if their joint estimate fails, all stays as it was.
+void BackEnd::switchModel(const Camera& camera, const std::vector<Segment>& observed) {
+  BackEnd switched = *this;
+  switched.clearQueue();
+  switched.report_.camera = camera;
+  switched.startup_.switchModel(camera);
+  for (const Segment& segment : observed) {
+    switched.offer(evaluateCandidate(CandidateOptions(), segment, camera));
+  }
+  switched.solveQueue();
+  if (handed_over_ && !switched.solution_.usable) return;
+  switched.report_.queue.swaps = report_.queue.swaps;
+  *this = switched;
+}
+
 void BackEnd::clearQueue() {
   queue_.clear();
   estimate_.clear();
@@ -189,6 +221,10 @@ void BackEnd::adoptSolution() {
 
 void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events) {
   obstacle_.clear();
+  if (options_.choose_model && !model_choice_.settled()) {
+    obstacle_ = "the lens model is not chosen yet";
+    return;
+  }
   if (!startup_.usable() || estimate_.candidates().size() < 2 || !solution_.usable) {
     obstacle_ = "the queue does not hold two separate stretches yet";
     return;
@@ -239,6 +275,8 @@ void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   const HealthVerdict verdict = judgeHealth(evidence, report_.camera, was_converged);
   report_.state = verdict.state;
   report_.sentence = verdict.sentence;
+  const std::string choice = model_choice_.sentence();
+  if (!choice.empty()) report_.sentence += "; " + choice;
   report_.hint = verdict.hint;
   if (verdict.state == CalibrationState::kConverged && !was_converged) {
     events->push_back({EventType::kConverged, stamp_ns, stamp_ns, verdict.sentence});

@@ -10,6 +10,7 @@ namespace camera_self_calibration {
 
 /// What one stretch of the trajectory, by itself, tells of the intrinsics.
 struct Candidate {
+  Segment observed;              ///< As it was offered.
   Segment segment;               ///< Solved, outliers removed.
   Camera camera;                 ///< Its own estimate.
   double sigma_scale = 1.0;      ///< By which its observations' sigmas were multiplied.

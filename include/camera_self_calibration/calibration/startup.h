@@ -38,6 +38,9 @@ class Startup {
   /// Starts again from these intrinsics at the next keyframe.
   void reset(const Camera& initial);
 
+  /// Goes on from the present poses and depths with these intrinsics, of another model.
+  void switchModel(const Camera& camera) { initial_ = camera_ = camera; }
+
   const Camera& camera() const { return camera_; }
   /// Solved; poses and depths of the chosen keyframes.
   const Segment& segment() const { return segment_; }

@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/calibration/candidate_window.h"
 #include "camera_self_calibration/calibration/health.h"
+#include "camera_self_calibration/calibration/model_choice.h"
 #include "camera_self_calibration/calibration/queue_estimate.h"
 #include "camera_self_calibration/calibration/segment_queue.h"
 #include "camera_self_calibration/calibration/startup.h"
@@ -58,6 +59,8 @@ class BackEnd {
 
  private:
   void runStartup(const KeyframeMessage& message);
+  void considerModel(const KeyframeMessage& message);
+  void switchModel(const Camera& camera, const std::vector<Segment>& observed);
   void clearQueue();
   void offerCandidate(const KeyframeMessage& message);
   bool offer(const Candidate& candidate);
@@ -69,6 +72,7 @@ class BackEnd {
   void fillQueueReport();
 
   Options options_;
+  ModelChoice model_choice_;
   Startup startup_;
   SegmentQueue queue_;
   QueueEstimate estimate_;

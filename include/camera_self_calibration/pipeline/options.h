@@ -15,6 +15,8 @@ namespace camera_self_calibration {
 /// Every option of the pipeline, one struct for the nodelet, the offline tool and tests.
 struct Options {
   CameraModel model = CameraModel::kFov;
+  /// Only start with `model`, and go on with the model that predicts the queue's observations best.
+  bool choose_model = false;
   /// Start values of the intrinsics; none: Camera::defaultGuess of the first image's size.
   std::optional<Camera> initial_camera;
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera_self_calibration/calibration/health.h"
+#include "camera_self_calibration/calibration/model_choice.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/rigid3.h"
@@ -74,6 +75,8 @@ struct CalibrationReport {
   bool frozen = false;          ///< Kept as it is on request.
   std::int64_t keyframes = 0;   ///< Seen so far.
   QueueReport queue;
+  /// Of the newest comparison of lens models; empty unless the model is to be chosen.
+  std::vector<ModelEvidence> models;
 };
 
 struct Event {
