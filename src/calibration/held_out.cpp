@@ -10,6 +10,7 @@
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/parallel.h"
+#include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/geometry/median.h"
 
@@ -89,8 +90,9 @@ double costWithoutOwn(const LinearSegment& own, const IntrinsicsMatrix& all_h,
                       const Intrinsics& all_b) {
   const IntrinsicsMatrix& h = own.reducedHessian();
   const Intrinsics& b = own.reducedGradient();
-  const Eigen::MatrixXd factor = inverseFactor(all_h - h, kRankTolerance);
-  const Eigen::VectorXd d = factor * (factor.transpose() * (all_b - b));
+  PseudoInverse others;
+  others.compute(Eigen::MatrixXd(all_h - h), kRankTolerance);
+  const Eigen::VectorXd d = others.solve(all_b - b);
   return own.cost() - b.dot(d) + 0.5 * d.dot(h * d);
 }
 

@@ -77,6 +77,14 @@ void Startup::reset(const Camera& initial) {
   next_retry_ = kFirstRetry;
 }
 
+void Startup::switchModel(const Camera& camera) {
+  initial_ = camera_ = camera;
+  options_.growth.prior = vaguePrior(camera);
+  information_ = covariance_ = IntrinsicsMatrix();
+  uncertainty_ = kUnknown;
+  usable_ = false;
+}
+
 bool Startup::tellsLens() const {
   return usable_ && uncertainty_.rms < options_.useless_uncertainty_share * camera_.width();
 }

@@ -148,7 +148,7 @@ void BackEnd::runStartup(const KeyframeMessage& message) {
 }
 
 void BackEnd::considerModel(const KeyframeMessage& message) {
-  if (!options_.choose_model || !(handed_over_ || startup_.usable())) return;
+  if (!options_.choose_model || !(handed_over_ || startup_.tellsLens())) return;
   model_choice_.observe(message.candidate);
   std::vector<Segment> observed;
   for (const Candidate& candidate : estimate_.candidates()) {

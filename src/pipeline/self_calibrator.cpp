@@ -47,7 +47,7 @@ void SelfCalibrator::reset(const Camera& start) {
 void SelfCalibrator::restore(const std::shared_ptr<const LearntState>& state) {
   if (!state) throw std::invalid_argument("there is no state");
   for (const std::string& problem : state->problems()) throw std::invalid_argument(problem);
-  if (state->camera.model() != impl_->options.model) {
+  if (state->camera.model() != impl_->options.model && !impl_->options.choose_model) {
     throw std::invalid_argument("it is of the model " + toString(state->camera.model()) + ", not " +
                                 toString(impl_->options.model));
   }

@@ -5,6 +5,8 @@
 namespace camera_self_calibration {
 namespace {
 
+constexpr const char* kAutoModel = "auto";
+
 const char* typeName(const std::string&) { return "a string"; }
 const char* typeName(bool) { return "true or false"; }
 const char* typeName(int) { return "a whole number"; }
@@ -77,10 +79,15 @@ void readInterface(Reader& read, NodeOptions* options) {
 }
 
 void checkModel(const NodeOptions& options, std::vector<std::string>* problems) {
+  if (options.model == kAutoModel) {
+    if (options.initial_intrinsics.empty()) return;
+    problems->push_back("initial_intrinsics need a model that they belong to; model is 'auto'");
+    return;
+  }
   const std::optional<CameraModel> model = cameraModelFromString(options.model);
   if (!model) {
     problems->push_back("model is '" + options.model +
-                        "'; it must be pinhole, fov, radtan (or plumb_bob) or equidistant");
+                        "'; it must be pinhole, fov, radtan (or plumb_bob), equidistant or auto");
     return;
   }
   const std::size_t count = options.initial_intrinsics.size();
@@ -135,6 +142,7 @@ NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node) {
   readInterface(read, &reading.options);
   const auto model = cameraModelFromString(reading.options.model);
   if (model) reading.options.pipeline.model = *model;
+  reading.options.pipeline.choose_model = reading.options.model == kAutoModel;
   const auto score = scoreKindFromString(reading.options.score);
   if (score) reading.options.pipeline.score = *score;
   const std::vector<std::string> violated = reading.options.problems();

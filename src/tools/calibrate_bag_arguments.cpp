@@ -29,7 +29,8 @@ po::options_description description(CalibrateBagArguments* arguments) {
     ("input", po::value(&source.path), "bag (*.bag), folder of images or video file")
     ("topic", po::value(&source.topic), "image topic of the bag; needed if it has several")
     ("model", po::value<std::string>(),
-     "pinhole | fov | radtan (plumb_bob) | equidistant; default: that of --initial, else fov")
+     "pinhole | fov | radtan (plumb_bob) | equidistant | auto (chosen by evidence, starting with that "
+     "of --initial or fov); default: that of --initial, else fov")
     ("out", po::value(&arguments->out),
      "folder for the results; made if it is missing. Without it only a table is printed")
     ("initial", po::value<std::string>(),
@@ -66,7 +67,7 @@ CameraModel modelFromName(const std::string& name) {
   const std::optional<CameraModel> model = cameraModelFromString(name);
   if (model) return *model;
   throw std::runtime_error("--model " + name +
-                           " is not one of pinhole, fov, radtan (or plumb_bob), equidistant");
+                           " is not one of pinhole, fov, radtan (or plumb_bob), equidistant, auto");
 }
 
 ScoreKind scoreFromName(const std::string& name) {
@@ -124,7 +125,9 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
     return std::nullopt;
   }
   checkSource(arguments.source);
-  const bool model_given = given.count("model") > 0;
+  arguments.options.choose_model =
+      given.count("model") > 0 && given["model"].as<std::string>() == "auto";
+  const bool model_given = given.count("model") > 0 && !arguments.options.choose_model;
   if (model_given) arguments.options.model = modelFromName(given["model"].as<std::string>());
   if (given.count("score") > 0) {
     arguments.options.score = scoreFromName(given["score"].as<std::string>());

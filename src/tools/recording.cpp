@@ -1,5 +1,6 @@
 #include "camera_self_calibration/tools/recording.h"
 
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -36,6 +37,16 @@ std::string cameraJson(const CalibrationReport& report) {
                                    return camera.parameters()[static_cast<Eigen::Index>(i)];
                                  })},
        {"sigma", parametersJson(camera, [&](std::size_t i) { return sigma[i]; })}});
+}
+
+std::string modelsJson(const std::vector<ModelEvidence>& models) {
+  std::vector<std::string> values;
+  for (const ModelEvidence& model : models) {
+    values.push_back(json::object({{"model", json::string(model.model)},
+                                   {"chosen", model.chosen ? "true" : "false"},
+                                   {"behind_nats", json::number(model.behind)}}));
+  }
+  return json::array(values);
 }
 
 std::string eventsJson(const std::vector<Event>& events) {
@@ -90,21 +101,32 @@ void writeCsvHeader(const Camera& camera, std::ostream& file) {
   all.setEstimateK3(all.model() == CameraModel::kRadtan);  // it may join later
   for (const std::string& name : all.parameterNames()) file << ',' << name;
   for (const std::string& name : all.parameterNames()) file << ",sigma_" << name;
-  file << ",entropy,pixel_uncertainty_rms,pixel_uncertainty_max,queue_size,decision,state,epoch\n";
+  file << ",entropy,pixel_uncertainty_rms,pixel_uncertainty_max,queue_size,decision,state,epoch,"
+          "model\n";
 }
 
-void writeCsvRow(const CalibrationReport& report, std::ostream& file) {
-  file << json::seconds(report.stamp_ns) << std::setprecision(10);
+// Without values where the lens model was another one than at last.
+void writeParameters(const CalibrationReport& report, CameraModel model, std::ostream& file) {
   const Intrinsics& parameters = report.camera.parameters();
-  const bool without_k3 =
-      report.camera.model() == CameraModel::kRadtan && parameters.size() < kMaxIntrinsics;
-  for (Eigen::Index i = 0; i < parameters.size(); ++i) file << ',' << parameters(i);
-  if (without_k3) file << ",0";
-  for (const double value : parameterSigmas(report)) file << ',' << value;
-  if (without_k3) file << ",nan";
+  const int columns =
+      model == CameraModel::kRadtan ? kMaxIntrinsics : Camera::parameterCount(model);
+  const bool same = report.camera.model() == model;
+  for (int i = 0; i < columns; ++i) {
+    file << ',' << (!same ? NAN : i < parameters.size() ? parameters(i) : 0.0);
+  }
+  const std::vector<double> sigmas = parameterSigmas(report);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(columns); ++i) {
+    file << ',' << (same && i < sigmas.size() ? sigmas[i] : NAN);
+  }
+}
+
+void writeCsvRow(const CalibrationReport& report, CameraModel model, std::ostream& file) {
+  file << json::seconds(report.stamp_ns) << std::setprecision(10);
+  writeParameters(report, model, file);
   file << ',' << report.entropy << ',' << report.uncertainty.rms << ',' << report.uncertainty.max
        << ',' << report.queue.segments.size() << ',' << quoted(report.queue.last_decision) << ','
-       << toString(report.state) << ',' << report.epoch << '\n';
+       << toString(report.state) << ',' << report.epoch << ',' << toString(report.camera.model())
+       << '\n';
 }
 
 void writeCalibrations(const fs::path& folder, const std::string& topic,
@@ -139,6 +161,7 @@ std::string summaryJson(const Recording& recording) {
               {"frames_per_second", json::number(rate)},
               {"queue", json::object({{"segments", count(report.queue.segments.size())},
                                       {"swaps", count(report.queue.swaps)}})},
+              {"models", modelsJson(report.models)},
               {"events", eventsJson(recording.events)}}) +
          "\n";
 }
@@ -152,7 +175,8 @@ void writeRecording(const std::string& folder, const std::string& topic,
             [&](std::ostream& file) { writeTrajectory(recording, true, file); });
   writeFile(path / "convergence.csv", [&](std::ostream& file) {
     writeCsvHeader(recording.final_report.camera, file);
-    for (const CalibrationReport& report : recording.reports) writeCsvRow(report, file);
+    for (const CalibrationReport& report : recording.reports)
+      writeCsvRow(report, recording.final_report.camera.model(), file);
   });
   writeCalibrations(path, topic, recording.final_report);
   writeFile(path / "summary.json", [&](std::ostream& file) { file << summaryJson(recording); });

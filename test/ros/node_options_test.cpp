@@ -34,6 +34,14 @@ TEST(NodeOptions, ListsAllViolationsAtOnce) {
   }
 }
 
+TEST(NodeOptions, AnOpenModelHasNoStartValues) {
+  NodeOptions options;
+  options.model = "auto";
+  EXPECT_TRUE(options.problems().empty());
+  options.initial_intrinsics.assign(5, 1.0);
+  EXPECT_TRUE(mentions(options.problems(), "initial_intrinsics"));
+}
+
 TEST(NodeOptions, StartValuesMustMatchTheModel) {
   NodeOptions options;
   options.model = "radtan";

@@ -39,7 +39,8 @@ class Startup {
   void reset(const Camera& initial);
 
   /// Goes on from the present poses and depths with these intrinsics, of another model.
-  void switchModel(const Camera& camera) { initial_ = camera_ = camera; }
+  /// Not usable until the next keyframe.
+  void switchModel(const Camera& camera);
 
   const Camera& camera() const { return camera_; }
   /// Solved; poses and depths of the chosen keyframes.

@@ -12,7 +12,7 @@ namespace camera_self_calibration {
 /// The parameters of the node; config/parameters.yaml explains each.
 struct NodeOptions {
   Options pipeline;
-  std::string model = "fov";      ///< Name of pipeline.model.
+  std::string model = "fov";      ///< Name of pipeline.model, or "auto": pipeline.choose_model.
   std::string score = "entropy";  ///< Name of pipeline.score.
   /// Start values in the order of the model's parameters; empty: a guess from the image size.
   std::vector<double> initial_intrinsics;
