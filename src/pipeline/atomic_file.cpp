@@ -58,7 +58,9 @@ std::string writeFileAtomically(const std::string& given_path, const std::string
       target.has_parent_path() ? target.parent_path().string() : std::string(".");
   std::error_code made;
   std::filesystem::create_directories(folder, made);
-  if (made) return "the folder " + folder + " cannot be made: " + made.message();
+  if (made) {
+    return "cannot write " + path + ": the folder cannot be made: " + made.message();
+  }
   const std::string beside = path + ".new." + std::to_string(::getpid());
   if (const int error = writeAndFlush(beside, bytes)) {
     ::unlink(beside.c_str());

@@ -18,15 +18,27 @@ std::string CalibrationSession::start(const std::optional<Camera>& initial_camer
   try {
     Options options = options_;
     options.initial_camera = initial_camera;
-    calibrator_ =
+    auto calibrator =
         std::make_unique<SelfCalibrator>(options, SelfCalibrator::Mode::kThreaded, continued());
+    const std::lock_guard<std::mutex> lock(calibrator_mutex_);
+    calibrator_ = std::move(calibrator);
     return {};
   } catch (const std::exception& e) {
     return e.what();
   }
 }
 
-void CalibrationSession::stop() { calibrator_.reset(); }
+void CalibrationSession::stop() {
+  std::unique_ptr<SelfCalibrator> ended;
+  const std::lock_guard<std::mutex> lock(calibrator_mutex_);
+  ended.swap(calibrator_);
+}
+
+bool CalibrationSession::use(const std::function<void(SelfCalibrator&)>& use) const {
+  const std::lock_guard<std::mutex> lock(calibrator_mutex_);
+  if (calibrator_) use(*calibrator_);
+  return calibrator_ != nullptr;
+}
 
 Callbacks CalibrationSession::continued() const {
   Callbacks result;

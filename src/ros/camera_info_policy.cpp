@@ -44,7 +44,7 @@ std::string CameraInfoPolicy::update(const CalibrationReport& report) {
     }
     const bool same = camera_ && camera_->width() == report.camera.width() &&
                       camera_->height() == report.camera.height();
-    if (same && !(pixelDistance(*camera_, report.camera).rms > options_.min_change_px)) {
+    if (same && !(pixelDistance(*camera_, report.camera).rms > min_change_px_)) {
       inherited_ = false;
       return {};
     }

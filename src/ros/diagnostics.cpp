@@ -14,6 +14,7 @@ Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& pri
   updater_.add("calibration", this, &Diagnostics::calibration);
   updater_.add("queue", this, &Diagnostics::queue);
   updater_.add("timing", this, &Diagnostics::timing);
+  updater_.add("storage", this, &Diagnostics::storage);
 }
 
 void Diagnostics::setProblems(const std::vector<std::string>& problems) {
@@ -21,6 +22,24 @@ void Diagnostics::setProblems(const std::vector<std::string>& problems) {
   problems_.clear();
   for (const std::string& problem : problems) {
     problems_ += (problems_.empty() ? "" : "; ") + problem;
+  }
+}
+
+void Diagnostics::setStorageProblems(const std::vector<std::string>& problems) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  storage_problems_.clear();
+  for (const std::string& problem : problems) {
+    storage_problems_ += (storage_problems_.empty() ? "" : "; ") + problem;
+  }
+}
+
+void Diagnostics::storage(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (addProblems(&status)) return;
+  if (storage_problems_.empty()) {
+    status.summary(DiagnosticStatus::OK, "Nothing is wrong with the saved files.");
+  } else {
+    status.summary(DiagnosticStatus::WARN, storage_problems_);
   }
 }
 

@@ -129,6 +129,7 @@ Calibration toCalibration(const CalibrationReport& report, TrackingState trackin
   message.revision = report.revision;
   message.epoch = report.epoch;
   message.handed_over = report.handed_over;
+  message.frozen = report.frozen;
   message.keyframes = report.keyframes;
   return message;
 }

@@ -1,47 +1,15 @@
 #include "camera_self_calibration/ros/node_options.h"
 
+#include "camera_self_calibration/ros/calibration_keeper.h"
 #include "camera_self_calibration/ros/camera_info.h"
+#include "camera_self_calibration/ros/parameter_reader.h"
 
 namespace camera_self_calibration {
 namespace {
 
 constexpr const char* kAutoModel = "auto";
 
-const char* typeName(const std::string&) { return "a string"; }
-const char* typeName(bool) { return "true or false"; }
-const char* typeName(int) { return "a whole number"; }
-const char* typeName(double) { return "a number"; }
-const char* typeName(const std::vector<double>&) { return "a list of numbers"; }
-
-/// Reads parameters one by one and remembers what is wrong with them.
-class Reader {
- public:
-  Reader(const ros::NodeHandle& node, std::vector<std::string>* problems)
-      : node_(node), problems_(problems) {}
-
-  template <typename T>
-  void operator()(const std::string& name, T* value) {
-    if (!node_.hasParam(name)) return;
-    if (node_.getParam(name, *value)) return;
-    problems_->push_back(name + " must be " + typeName(*value));
-  }
-
-  /// A name that may be "off", which is false where YAML reads it without quotes.
-  void orOff(const std::string& name, std::string* value) {
-    bool on = true;
-    if (node_.getParam(name, on) && !on) {
-      *value = "off";
-    } else {
-      (*this)(name, value);
-    }
-  }
-
- private:
-  const ros::NodeHandle& node_;
-  std::vector<std::string>* problems_;
-};
-
-void readPipeline(Reader& read, NodeOptions* options) {
+void readPipeline(ParameterReader& read, NodeOptions* options) {
   Options& pipeline = options->pipeline;
   read("model", &options->model);
   read("initial_intrinsics", &options->initial_intrinsics);
@@ -63,7 +31,7 @@ void readPipeline(Reader& read, NodeOptions* options) {
   read("max_queued_images", &pipeline.max_queued_images);
 }
 
-void readInterface(Reader& read, NodeOptions* options) {
+void readInterface(ParameterReader& read, NodeOptions* options) {
   read("image_transport", &options->image_transport);
   read.orOff("camera_info_input", &options->camera_info_input);
   read("factory_warn_px", &options->factory_warn_px);
@@ -76,6 +44,15 @@ void readInterface(Reader& read, NodeOptions* options) {
   read("output_distortion_model", &options->output_distortion_model);
   read("projection", &options->projection);
   read("path_poses", &options->path_poses);
+}
+
+void readKeeping(ParameterReader& read, NodeOptions* options) {
+  read("camera_name", &options->camera_name);
+  read("camera_info_url", &options->camera_info_url);
+  read("state_file", &options->state_file);
+  read("autosave_interval_s", &options->autosave_interval_s);
+  read("report_file", &options->report_file);
+  read("commit_service", &options->commit_service);
 }
 
 void checkModel(const NodeOptions& options, std::vector<std::string>* problems) {
@@ -132,14 +109,20 @@ std::vector<std::string> NodeOptions::problems() const {
     problems.push_back("min_publish_change_px must not be negative");
   }
   if (path_poses < 2) problems.push_back("path_poses must be at least 2");
+  const std::vector<std::string> keeping = keepingProblems(*this);
+  problems.insert(problems.end(), keeping.begin(), keeping.end());
   return problems;
 }
 
 NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node) {
   NodeOptionsReading reading;
-  Reader read(private_node, &reading.problems);
+  ParameterReader read(private_node);
   readPipeline(read, &reading.options);
   readInterface(read, &reading.options);
+  readKeeping(read, &reading.options);
+  reading.problems = read.problems();
+  reading.warnings = read.unknown();
+  reading.known = read.known();
   const auto model = cameraModelFromString(reading.options.model);
   if (model) reading.options.pipeline.model = *model;
   reading.options.pipeline.choose_model = reading.options.model == kAutoModel;

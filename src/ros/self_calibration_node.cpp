@@ -38,6 +38,9 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   diagnostics_->setTopic(input_->topic());
   diagnostics_timer_ = private_node_.createWallTimer(
       ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->publish(); });
+  for (const std::string& warning : reading.warnings) {
+    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
+  }
   if (!reading.problems.empty()) {
     stayIdle(reading.problems);
     return;
@@ -52,6 +55,10 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   camera_publisher_ = std::make_unique<CameraPublisher>(private_node_, camera_info_policy_.get());
   session_ = std::make_unique<CalibrationSession>(options_.pipeline, callbacks());
   if (factory_) factory_->subscribe(node_);
+  keeper_ = std::make_unique<CalibrationKeeper>(private_node_, options_, name, input_->topic(),
+                                                session_.get(), camera_info_policy_.get());
+  live_parameters_ = std::make_unique<LiveParameters>(
+      private_node_, [this](const SelfCalibrationConfig& config) { change(config); });
   input_->subscribe();
 }
 
@@ -59,6 +66,8 @@ SelfCalibrationNode::~SelfCalibrationNode() {
   input_->shutdown();
   if (factory_) factory_->shutdown();
   diagnostics_timer_.stop();
+  live_parameters_.reset();
+  keeper_.reset();
   session_.reset();
 }
 
@@ -84,8 +93,15 @@ void SelfCalibrationNode::onImage(const InputImage& image) {
 
 bool SelfCalibrationNode::ready() {
   if (session_->running()) return true;
-  const StartDecision start =
-      start_camera_->decide(monitor_.width(), monitor_.height(), ros::WallTime::now());
+  // What the files hold comes first.
+  const CalibrationStore::Loaded& kept = keeper_->load(monitor_.width(), monitor_.height());
+  diagnostics_->setStorageProblems(kept.problems);
+  StartDecision start;
+  if (kept.camera) {
+    start.camera = kept.camera;
+  } else if (!kept.state) {
+    start = start_camera_->decide(monitor_.width(), monitor_.height(), ros::WallTime::now());
+  }
   if (start.wait) return false;
   if (start.warning) {
     ROS_WARN_STREAM(private_node_.getNamespace() << ": " << start.sentence);
@@ -93,8 +109,18 @@ bool SelfCalibrationNode::ready() {
     ROS_INFO_STREAM(private_node_.getNamespace() << ": " << start.sentence);
   }
   const std::string problem = session_->start(start.camera);
-  if (!problem.empty()) stayIdle({problem});
+  if (!problem.empty()) {
+    stayIdle({problem});
+  } else if (kept.state) {
+    session_->calibrator()->restore(kept.state);
+  }
   return problem.empty();
+}
+
+void SelfCalibrationNode::change(const SelfCalibrationConfig& config) {
+  camera_info_policy_->setMinChange(config.min_publish_change_px);
+  results_->setPublishTf(config.publish_tf);
+  keeper_->setAutosaveInterval(config.autosave_interval_s);
 }
 
 Callbacks SelfCalibrationNode::callbacks() {

@@ -3,6 +3,7 @@
 #include <camera_self_calibration/TrackingStatus.h>
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
+#include <ros/package.h>
 #include <ros/ros.h>
 #include <sensor_msgs/CameraInfo.h>
 #include <sensor_msgs/CompressedImage.h>
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <random>
 
+#include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/node_options.h"
 #include "ros/recorder.h"
 
@@ -177,6 +179,49 @@ std::vector<std::string> valuesOf(const NodeOptions& options) {
     values.push_back(std::to_string(value));
   }
   return values;
+}
+
+TEST(ReadNodeOptions, OfFilesAndServices) {
+  const NodeOptions options = readNodeOptions(ros::NodeHandle("/others")).options;
+  EXPECT_EQ(options.camera_name, "eye_2");
+  EXPECT_EQ(options.camera_info_url, "file:///tmp/c.yaml");
+  EXPECT_EQ(options.state_file, "s.state");
+  EXPECT_EQ(options.autosave_interval_s, 5.5);
+  EXPECT_EQ(options.report_file, "r.yaml");
+  EXPECT_EQ(options.commit_service, "/driver/set");
+  const NodeOptions file = readNodeOptions(ros::NodeHandle("/defaults")).options;
+  const NodeOptions defaults;
+  EXPECT_EQ(file.camera_name, defaults.camera_name);
+  EXPECT_EQ(file.camera_info_url, defaults.camera_info_url);
+  EXPECT_EQ(file.state_file, defaults.state_file);
+  EXPECT_EQ(file.autosave_interval_s, defaults.autosave_interval_s);
+  EXPECT_EQ(file.report_file, defaults.report_file);
+  EXPECT_EQ(file.commit_service, defaults.commit_service);
+}
+
+TEST(ReadNodeOptions, UnknownParametersAreNamedWithTheNearestKnownOne) {
+  const NodeOptionsReading reading = readNodeOptions(ros::NodeHandle("/typos"));
+  EXPECT_TRUE(reading.problems.empty());
+  ASSERT_EQ(reading.warnings.size(), 2u) << "neither known ones nor namespaces";
+  std::string all;
+  for (const std::string& warning : reading.warnings) all += warning + "\n";
+  EXPECT_NE(all.find("~max_feature is not known; is ~max_features meant?"), std::string::npos);
+  EXPECT_NE(all.find("~exposure is not known\n"), std::string::npos) << all;
+  EXPECT_TRUE(readNodeOptions(ros::NodeHandle("/others")).warnings.empty());
+  EXPECT_TRUE(readNodeOptions(ros::NodeHandle("/empty")).warnings.empty());
+}
+
+TEST(ReadNodeOptions, EveryParameterThatIsReadStandsInTheFile) {
+  const std::string path =
+      ros::package::getPath("camera_self_calibration") + "/config/parameters.yaml";
+  const std::string text = readFile(path).bytes;
+  const std::vector<std::string> known = readNodeOptions(ros::NodeHandle("/defaults")).known;
+  EXPECT_GT(known.size(), 25u);
+  for (const std::string& name : known) {
+    EXPECT_TRUE(text.find("\n" + name + ": ") != std::string::npos ||
+                text.find("\n# " + name + ": ") != std::string::npos)
+        << name << " is not in " << path;
+  }
 }
 
 TEST(ReadNodeOptions, TheParameterFileHoldsTheDefaults) {

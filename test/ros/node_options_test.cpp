@@ -23,13 +23,19 @@ TEST(NodeOptions, ListsAllViolationsAtOnce) {
   options.world_frame = "";
   options.min_publish_change_px = -1.0;
   options.path_poses = 0;
+  options.camera_name = "left eye";
+  options.camera_info_url = "flash:///0";
+  options.state_file = "package://nobody_knows_it/s";
+  options.report_file = "";
+  options.autosave_interval_s = -1.0;
   options.output_distortion_model = "fov";
   options.projection = "later";
   options.pipeline.alpha = 2.0;
   const std::vector<std::string> problems = options.problems();
   for (const char* word :
        {"fisheye62", "theora", "determinant", "output_distortion_model", "projection",
-        "world_frame", "min_publish_change_px", "path_poses", "alpha"}) {
+        "world_frame", "min_publish_change_px", "path_poses", "alpha", "left eye", "flash",
+        "nobody_knows_it", "report_file", "autosave_interval_s"}) {
     EXPECT_TRUE(mentions(problems, word)) << word;
   }
 }

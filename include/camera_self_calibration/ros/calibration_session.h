@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -29,6 +30,10 @@ class CalibrationSession {
   /// False if an older image had to be dropped; running() must be true.
   bool process(const ImageView& image) { return calibrator_->process(image); }
 
+  /// Calls `use` with the calibrator; false if none is running. From any thread: what start() and
+  /// stop() replace stays as long as `use` runs, so `use` should be quick.
+  bool use(const std::function<void(SelfCalibrator&)>& use) const;
+
   /// Null unless running(). Its own numbers do not go on counting; those of the callbacks do.
   SelfCalibrator* calibrator() { return calibrator_.get(); }
 
@@ -49,6 +54,7 @@ class CalibrationSession {
   Counters base_;  // Changes only while no thread runs.
   mutable std::mutex mutex_;
   mutable Counters newest_;
+  mutable std::mutex calibrator_mutex_;  // while calibrator_ is replaced or used elsewhere
   std::unique_ptr<SelfCalibrator> calibrator_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <std_msgs/Header.h>
 
+#include <atomic>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -37,7 +38,8 @@ class CameraInfoPolicy {
   /// A conversion that errs by more than this is worth a warning [px].
   static constexpr double kConversionWarning = 0.1;
 
-  explicit CameraInfoPolicy(const CameraInfoOptions& options) : options_(options) {}
+  explicit CameraInfoPolicy(const CameraInfoOptions& options)
+      : options_(options), min_change_px_(options.min_change_px) {}
 
   /// A warning about what is published from now on; empty if there is nothing to warn about.
   std::string update(const CalibrationReport& report);
@@ -45,6 +47,9 @@ class CameraInfoPolicy {
   /// Publishes a calibration known from elsewhere (another image size of the same camera) until an
   /// estimate replaces it, or a change of the lens (a later epoch) shows that it no longer holds.
   void inherit(const Camera& camera);
+
+  /// CameraInfoOptions::min_change_px from now on; from any thread.
+  void setMinChange(double pixels) { min_change_px_ = pixels; }
 
   /// The calibration behind the published message; nothing while zeros go out.
   std::optional<Camera> published() const;
@@ -61,6 +66,7 @@ class CameraInfoPolicy {
   void setProjection(bool converged, sensor_msgs::CameraInfo* info);
 
   const CameraInfoOptions options_;
+  std::atomic<double> min_change_px_;
   std::optional<sensor_msgs::CameraInfo> fixed_;  // Its P and size hold.
   std::uint64_t inherited_epoch_ = 0;
   bool inherited_epoch_known_ = false;

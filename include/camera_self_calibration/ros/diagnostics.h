@@ -22,6 +22,8 @@ class Diagnostics {
 
   /// The node cannot work, for these reasons.
   void setProblems(const std::vector<std::string>& problems);
+  /// What of the saved files could not be used.
+  void setStorageProblems(const std::vector<std::string>& problems);
   void setTopic(const std::string& topic);
   /// Adds what the comparison with the factory calibration comes to; it must outlive this object.
   void watch(const FactoryCalibration* factory);
@@ -49,6 +51,7 @@ class Diagnostics {
   void queue(Status& status);
   void timing(Status& status);
   void factory(Status& status);
+  void storage(Status& status);
   void addCameraInfo(Status* status) const;
   bool addProblems(Status* status) const;
 
@@ -58,6 +61,7 @@ class Diagnostics {
   mutable std::mutex mutex_;
   std::string problems_;
   std::string topic_;
+  std::string storage_problems_;
   FrameResult frame_;
   CalibrationReport report_;
   InputCounts input_;

@@ -31,6 +31,13 @@ struct NodeOptions {
   std::string projection = "follow";  ///< P of the CameraInfo: follow | fixed.
   int path_poses = 1000;              ///< Of ~path, at most.
 
+  std::string camera_name;      ///< In the calibration file; empty: the node's name.
+  std::string camera_info_url;  ///< As for camera_info_manager; empty: nothing is read or saved.
+  std::string state_file;       ///< Path or URL; empty: none.
+  double autosave_interval_s = 30.0;                        ///< 0: only ~save saves.
+  std::string report_file = "selfcal_report_${NAME}.yaml";  ///< Of ~dump_report; path or URL.
+  std::string commit_service;  ///< Of the driver; empty: set_camera_info beside the images.
+
   /// Every violated bound in one sentence each, those of the pipeline included.
   std::vector<std::string> problems() const;
 };
@@ -38,6 +45,8 @@ struct NodeOptions {
 struct NodeOptionsReading {
   NodeOptions options;
   std::vector<std::string> problems;  ///< Wrong types and violated bounds; empty if all is well.
+  std::vector<std::string> warnings;  ///< Parameters that are not known.
+  std::vector<std::string> known;     ///< Names of all parameters.
 };
 
 /// Reads the private parameters; what is absent keeps its default.

@@ -4,6 +4,7 @@
 #include <ros/publisher.h>
 #include <tf2_ros/transform_broadcaster.h>
 
+#include <atomic>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -23,6 +24,9 @@ class ResultPublisher {
   /// The frame_id of the images.
   void setImageFrame(const std::string& frame);
 
+  /// Whether transforms go out from now on.
+  void setPublishTf(bool publish) { publish_tf_ = publish; }
+
   void publish(const FrameResult& result, std::int64_t dropped_images);
   void publish(const CalibrationReport& report);
   void publish(const Event& event);
@@ -37,7 +41,7 @@ class ResultPublisher {
 
   const std::string world_frame_;
   const std::string child_frame_;
-  const bool publish_tf_;
+  std::atomic<bool> publish_tf_;
   const bool invert_tf_;
   ros::Publisher pose_;
   ros::Publisher odometry_;

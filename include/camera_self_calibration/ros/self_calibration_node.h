@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/ros/calibration_keeper.h"
 #include "camera_self_calibration/ros/calibration_session.h"
 #include "camera_self_calibration/ros/camera_info_policy.h"
 #include "camera_self_calibration/ros/camera_publisher.h"
@@ -14,6 +15,7 @@
 #include "camera_self_calibration/ros/factory_calibration.h"
 #include "camera_self_calibration/ros/image_input.h"
 #include "camera_self_calibration/ros/input_monitor.h"
+#include "camera_self_calibration/ros/live_parameters.h"
 #include "camera_self_calibration/ros/node_options.h"
 #include "camera_self_calibration/ros/result_publisher.h"
 #include "camera_self_calibration/ros/start_camera.h"
@@ -34,6 +36,7 @@ class SelfCalibrationNode {
   void stayIdle(const std::vector<std::string>& problems);
   void onImage(const InputImage& image);
   bool ready();
+  void change(const SelfCalibrationConfig& config);
   Callbacks callbacks();
   void warnThrottled(const std::string& text);
 
@@ -52,6 +55,8 @@ class SelfCalibrationNode {
   std::unique_ptr<ResultPublisher> results_;
   std::unique_ptr<CameraPublisher> camera_publisher_;
   std::unique_ptr<CalibrationSession> session_;
+  std::unique_ptr<CalibrationKeeper> keeper_;
+  std::unique_ptr<LiveParameters> live_parameters_;
 
   ros::WallTimer diagnostics_timer_;
   std::unique_ptr<ImageInput> input_;

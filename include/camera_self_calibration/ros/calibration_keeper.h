@@ -1,0 +1,46 @@
+#pragma once
+
+#include <ros/node_handle.h>
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/ros/calibration_session.h"
+#include "camera_self_calibration/ros/calibration_store.h"
+#include "camera_self_calibration/ros/camera_info_policy.h"
+#include "camera_self_calibration/ros/control_services.h"
+#include "camera_self_calibration/ros/node_options.h"
+
+namespace camera_self_calibration {
+
+/// Everything about a calibration that outlives a run: files, services, saving by itself.
+class CalibrationKeeper {
+ public:
+  /// `name` is the node's, `image_topic` the camera's; session and policy must outlive the keeper.
+  CalibrationKeeper(const ros::NodeHandle& private_node, const NodeOptions& options,
+                    const std::string& name, const std::string& image_topic,
+                    CalibrationSession* session, const CameraInfoPolicy* camera_info);
+
+  /// What the files say of a camera with images of this size. They are read, and it is logged what
+  /// was taken and refused, when the size is another one than the last time.
+  const CalibrationStore::Loaded& load(int width, int height);
+
+  void setAutosaveInterval(double seconds) { services_->setAutosaveInterval(seconds); }
+
+ private:
+  ros::NodeHandle node_;
+  const CameraModel model_;
+  int width_ = 0;
+  int height_ = 0;
+  CalibrationStore::Loaded loaded_;
+  std::unique_ptr<CalibrationStore> store_;
+  std::unique_ptr<CalibrationStore> fallback_store_;
+  std::unique_ptr<ControlServices> services_;
+};
+
+/// Every violated rule of the parameters of files, in one sentence each.
+std::vector<std::string> keepingProblems(const NodeOptions& options);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <sensor_msgs/CameraInfo.h>
+
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/pipeline/learnt_state.h"
+
+namespace camera_self_calibration {
+
+/// Where a calibration is kept. Empty: not kept there.
+struct StoreOptions {
+  std::string camera_name = "camera";
+  std::string calibration_file;  ///< As camera_info_manager keeps it (YAML, or INI by its ending).
+  std::string state_file;        ///< Everything that was learnt (LearntState).
+};
+
+/// The calibration on the disk. Writes atomically and reads back. A file that cannot be read, or
+/// that is for another camera, is never written over: save() refuses and says why. Thread-safe.
+class CalibrationStore {
+ public:
+  explicit CalibrationStore(const StoreOptions& options) : options_(options) {}
+
+  bool hasFile() const {
+    return !options_.calibration_file.empty() || !options_.state_file.empty();
+  }
+
+  struct Loaded {
+    std::shared_ptr<const LearntState> state;  ///< Fits model and image size; or null.
+    std::optional<Camera> camera;              ///< As a start; of the model asked for.
+    std::vector<std::string> notes;            ///< What was taken from where.
+    std::vector<std::string> problems;         ///< What was refused, and why.
+  };
+
+  /// What there is for a camera of this model and image size.
+  Loaded load(CameraModel model, int width, int height);
+
+  struct Outcome {
+    bool success = false;
+    std::string message;  ///< What was written where, or what went wrong.
+  };
+
+  /// Keeps both, where a file is given. After beginAnew(), or where the state is of another epoch,
+  /// what the state file held goes to FILE.previous first.
+  Outcome save(const LearntState& state, const sensor_msgs::CameraInfo& info);
+
+  /// What is learnt from now on does not rest on what was saved.
+  void beginAnew();
+
+ private:
+  /// Contents of a file; or why it is neither used nor written over; or, without a file, neither.
+  struct KnownState {
+    std::shared_ptr<const LearntState> state;
+    std::string refusal;
+  };
+  struct KnownCalibration {
+    std::optional<sensor_msgs::CameraInfo> info;
+    std::string refusal;
+  };
+
+  KnownState readState(CameraModel model, int width, int height) const;
+  KnownCalibration readCalibration(int width, int height) const;
+  std::string saveState(const LearntState& state);
+  std::string saveCalibration(const sensor_msgs::CameraInfo& info);
+
+  const StoreOptions options_;
+  std::mutex mutex_;
+  bool keep_previous_ = false;
+};
+
+}  // namespace camera_self_calibration

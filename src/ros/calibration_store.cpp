@@ -1,0 +1,189 @@
+#include "camera_self_calibration/ros/calibration_store.h"
+
+#include <camera_calibration_parsers/parse_ini.h>
+#include <camera_calibration_parsers/parse_yml.h>
+
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <sstream>
+
+#include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/ros/model_conversion.h"
+
+namespace camera_self_calibration {
+namespace {
+
+bool isIni(const std::string& path) {
+  return path.size() > 4 && path.compare(path.size() - 4, 4, ".ini") == 0;
+}
+
+struct NamedInfo {
+  std::string name;
+  sensor_msgs::CameraInfo info;
+};
+
+std::optional<NamedInfo> parse(const std::string& path, const std::string& text) {
+  NamedInfo result;
+  std::istringstream in(text);
+  try {
+    const bool read =
+        isIni(path) ? camera_calibration_parsers::readCalibrationIni(in, result.name, result.info)
+                    : camera_calibration_parsers::readCalibrationYml(in, result.name, result.info);
+    if (read) return result;
+  } catch (const std::exception&) {
+    // Said below.
+  }
+  return std::nullopt;
+}
+
+std::string sizeText(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+std::string pixelText(double pixels) {
+  char buffer[40];
+  std::snprintf(buffer, sizeof(buffer), "%.3g px", pixels);
+  return buffer;
+}
+
+// Moved or removed by the user, not by this program.
+const char* const kLeftUntouched = "; it is left untouched: move it away or choose another file";
+
+}  // namespace
+
+CalibrationStore::Loaded CalibrationStore::load(CameraModel model, int width, int height) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  Loaded loaded;
+  const KnownState state = readState(model, width, height);
+  if (state.state) {
+    loaded.state = state.state;
+    loaded.notes.push_back("what was learnt before is restored from " + options_.state_file);
+  }
+  const KnownCalibration calibration = readCalibration(width, height);
+  std::string refusal = calibration.refusal;
+  if (calibration.info) {
+    const std::optional<CameraFit> fit = startFrom(*calibration.info, model);
+    if (fit) {
+      loaded.camera = fit->camera;
+      loaded.notes.push_back("the calibration in " + options_.calibration_file + " is the start" +
+                             (fit->error.max > 0.0 ? ", fitted to the model " + toString(model) +
+                                                         " within " + pixelText(fit->error.max)
+                                                   : ""));
+    } else {
+      refusal = "the calibration file " + options_.calibration_file +
+                " is not used: its distortion '" + calibration.info->distortion_model +
+                "' or its values do not apply to the model " + toString(model);
+    }
+  }
+  for (const std::string& problem : {state.refusal, refusal}) {
+    if (!problem.empty()) loaded.problems.push_back(problem);
+  }
+  return loaded;
+}
+
+CalibrationStore::KnownState CalibrationStore::readState(CameraModel model, int width,
+                                                         int height) const {
+  if (options_.state_file.empty()) return {};
+  const FileContents contents = readFile(options_.state_file);
+  if (!contents.exists) return {};
+  const auto refused = [this](const std::string& why) {
+    return KnownState{
+        nullptr, "the state file " + options_.state_file + " is not used: " + why + kLeftUntouched};
+  };
+  if (!contents.error.empty()) return refused(contents.error);
+  const DecodedState decoded = decodeState(contents.bytes);
+  if (!decoded.state) return refused(decoded.error);
+  const Camera& camera = decoded.state->camera;
+  if (camera.model() != model) {
+    return refused("it is for the model " + toString(camera.model()) + ", not " + toString(model));
+  }
+  if (camera.width() != width || camera.height() != height) {
+    return refused("it is for images of " + sizeText(camera.width(), camera.height()) +
+                   ", these are " + sizeText(width, height));
+  }
+  return {decoded.state, ""};
+}
+
+CalibrationStore::KnownCalibration CalibrationStore::readCalibration(int width, int height) const {
+  const std::string& path = options_.calibration_file;
+  if (path.empty()) return {};
+  const FileContents contents = readFile(path);
+  if (!contents.exists) return {};
+  const auto refused = [&path](const std::string& why) {
+    return KnownCalibration{
+        std::nullopt, "the calibration file " + path + " is not used: " + why + kLeftUntouched};
+  };
+  if (!contents.error.empty()) return refused(contents.error);
+  const std::optional<NamedInfo> named = parse(path, contents.bytes);
+  if (!named) return refused("it is no calibration that camera_info_manager can read");
+  if (named->name != options_.camera_name) {
+    return refused("it is for the camera '" + named->name + "', this one is '" +
+                   options_.camera_name + "' (~camera_name)");
+  }
+  const auto file_width = static_cast<int>(named->info.width);
+  const auto file_height = static_cast<int>(named->info.height);
+  if (file_width != width || file_height != height) {
+    return refused("it is for images of " + sizeText(file_width, file_height) + ", these are " +
+                   sizeText(width, height));
+  }
+  return {named->info, ""};
+}
+
+CalibrationStore::Outcome CalibrationStore::save(const LearntState& state,
+                                                 const sensor_msgs::CameraInfo& info) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::string written;
+  std::string failed;
+  const auto note = [&](const std::string& path, const std::string& error) {
+    std::string& text = error.empty() ? written : failed;
+    text += (text.empty() ? "" : "; ") + (error.empty() ? path : error);
+  };
+  if (!options_.calibration_file.empty()) note(options_.calibration_file, saveCalibration(info));
+  if (!options_.state_file.empty()) note(options_.state_file, saveState(state));
+  if (written.empty() && failed.empty()) {
+    return {false, "no file is given: set ~camera_info_url or ~state_file"};
+  }
+  if (failed.empty()) return {true, "saved to " + written};
+  return {false, "not saved: " + failed + (written.empty() ? "" : "; saved to " + written)};
+}
+
+void CalibrationStore::beginAnew() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  keep_previous_ = true;
+}
+
+std::string CalibrationStore::saveState(const LearntState& state) {
+  const std::string& path = options_.state_file;
+  const KnownState known =
+      readState(state.camera.model(), state.camera.width(), state.camera.height());
+  if (!known.refusal.empty()) return known.refusal;
+  if (known.state && (keep_previous_ || state.epoch != known.state->epoch)) {
+    // What was learnt of another lens, or before a reset, is not lost.
+    const std::string error = writeFileAtomically(path + ".previous", encode(*known.state));
+    if (!error.empty()) return error;
+  }
+  const std::string error = writeFileAtomically(path, encode(state));
+  if (!error.empty()) return error;
+  keep_previous_ = false;
+  return "";
+}
+
+std::string CalibrationStore::saveCalibration(const sensor_msgs::CameraInfo& info) {
+  const std::string& path = options_.calibration_file;
+  const KnownCalibration known =
+      readCalibration(static_cast<int>(info.width), static_cast<int>(info.height));
+  if (!known.refusal.empty()) return known.refusal;
+  std::ostringstream text;
+  text.precision(17);
+  const bool done =
+      isIni(path)
+          ? camera_calibration_parsers::writeCalibrationIni(text, options_.camera_name, info)
+          : camera_calibration_parsers::writeCalibrationYml(text, options_.camera_name, info);
+  if (!done || !parse(path, text.str())) {
+    return "the calibration cannot be put into the format of " + path;
+  }
+  return writeFileAtomically(path, text.str());
+}
+
+}  // namespace camera_self_calibration

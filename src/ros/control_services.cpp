@@ -1,0 +1,226 @@
+#include "camera_self_calibration/ros/control_services.h"
+
+#include <exception>
+
+#include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/ros/driver_commit.h"
+#include "camera_self_calibration/ros/model_conversion.h"
+#include "camera_self_calibration/ros/report_yaml.h"
+
+namespace camera_self_calibration {
+namespace {
+
+const char* const kNoImage = "no image has come yet: there is nothing to work on";
+
+template <typename Response>
+void answer(bool success, const std::string& message, Response* response) {
+  response->success = success;
+  response->message = message;
+}
+
+}  // namespace
+
+ControlServices::ControlServices(const ros::NodeHandle& private_node, const ControlOptions& options,
+                                 const ControlTargets& targets)
+    : node_(private_node),
+      options_(options),
+      targets_(targets),
+      autosave_interval_s_(options.autosave_interval_s) {
+  node_.setCallbackQueue(&queue_);
+  using Self = ControlServices;
+  servers_ = {node_.advertiseService("reset", &Self::reset, this),
+              node_.advertiseService("reset_tracking", &Self::resetTracking, this),
+              node_.advertiseService("save", &Self::save, this),
+              node_.advertiseService("commit", &Self::commit, this),
+              node_.advertiseService("dump_report", &Self::dumpReport, this),
+              node_.advertiseService("freeze", &Self::freeze, this),
+              node_.advertiseService("set_camera_info", &Self::setCameraInfo, this),
+              node_.advertiseService("set_scale", &Self::setScale, this)};
+  timer_ = node_.createWallTimer(ros::WallDuration(1.0),
+                                 [this](const ros::WallTimerEvent&) { autosave(false); });
+  spinner_ = std::make_unique<ros::AsyncSpinner>(1, &queue_);
+  spinner_->start();
+}
+
+ControlServices::~ControlServices() {
+  timer_.stop();
+  for (ros::ServiceServer& server : servers_) server.shutdown();
+  spinner_->stop();
+  autosave(true);
+}
+
+void ControlServices::setAutosaveInterval(double seconds) { autosave_interval_s_ = seconds; }
+
+std::optional<ControlServices::Present> ControlServices::present() const {
+  Present now;
+  const bool running = targets_.with_calibrator([&now](SelfCalibrator& calibrator) {
+    now = {calibrator.calibration(), calibrator.state(), calibrator.droppedImages()};
+  });
+  return running ? std::optional<Present>(now) : std::nullopt;
+}
+
+std::string ControlServices::whyNotConverged(const std::optional<Present>& now,
+                                             const sensor_msgs::CameraInfo& info) const {
+  if (!now) return kNoImage;
+  if (now->report.state == CalibrationState::kConverged && now->state && info.K[0] > 0.0) return "";
+  const std::string sentence =
+      now->report.sentence.empty() ? "nothing is known yet" : now->report.sentence;
+  return "the calibration is " + toString(now->report.state) + ", not CONVERGED: " + sentence;
+}
+
+void ControlServices::autosave(bool at_once) {
+  const double interval = autosave_interval_s_;
+  if (interval <= 0.0) return;
+  if (!at_once && ros::WallTime::now() - last_save_ < ros::WallDuration(interval)) return;
+  const std::optional<Present> now = present();
+  const sensor_msgs::CameraInfo info = targets_.published_info();
+  if (!whyNotConverged(now, info).empty() || now->state == saved_) return;
+  last_save_ = ros::WallTime::now();
+  const CalibrationStore::Outcome outcome = targets_.store->save(*now->state, info);
+  // What cannot be saved is tried again with the next estimate, and said once.
+  saved_ = now->state;
+  if (!outcome.success && outcome.message != last_problem_ && targets_.store->hasFile()) {
+    ROS_WARN_STREAM(node_.getNamespace() << ": " << outcome.message);
+  }
+  last_problem_ = outcome.success ? "" : outcome.message;
+}
+
+bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
+  // Not from the saved calibration, which the calibrator may have begun with.
+  const bool done = targets_.with_calibrator([this](SelfCalibrator& calibrator) {
+    const Camera now = calibrator.calibration().camera;
+    if (now.width() > 0) calibrator.reset(unlearnt(now.width(), now.height()));
+  });
+  if (done) targets_.store->beginAnew();
+  answer(done,
+         done ? "everything learnt is forgotten; learning begins with the next image. Saved files "
+                "stay until the calibration is CONVERGED again"
+              : kNoImage,
+         &response);
+  return true;
+}
+
+Camera ControlServices::unlearnt(int width, int height) const {
+  const std::vector<double>& values = options_.initial_intrinsics;
+  if (values.empty()) return Camera::defaultGuess(options_.model, width, height);
+  return Camera(
+      options_.model, width, height,
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+}
+
+bool ControlServices::resetTracking(Trigger::Request&, Trigger::Response& response) {
+  const bool done =
+      targets_.with_calibrator([](SelfCalibrator& calibrator) { calibrator.resetTracking(); });
+  answer(done, done ? "a new map begins with the next image; the calibration is kept" : kNoImage,
+         &response);
+  return true;
+}
+
+bool ControlServices::save(Trigger::Request&, Trigger::Response& response) {
+  const std::optional<Present> now = present();
+  const sensor_msgs::CameraInfo info = targets_.published_info();
+  const std::string obstacle = whyNotConverged(now, info);
+  if (!obstacle.empty()) {
+    answer(false, "not saved: " + obstacle, &response);
+    return true;
+  }
+  CalibrationStore* store = targets_.store->hasFile() || targets_.fallback_store == nullptr
+                                ? targets_.store
+                                : targets_.fallback_store;
+  const CalibrationStore::Outcome outcome = store->save(*now->state, info);
+  if (outcome.success) saved_ = now->state;
+  answer(outcome.success, outcome.message, &response);
+  return true;
+}
+
+bool ControlServices::commit(Trigger::Request&, Trigger::Response& response) {
+  const sensor_msgs::CameraInfo info = targets_.published_info();
+  const std::string obstacle = whyNotConverged(present(), info);
+  if (!obstacle.empty()) {
+    answer(false, "not committed: " + obstacle, &response);
+    return true;
+  }
+  const CommitOutcome outcome =
+      commitToDriver(node_, options_.commit_service, info, options_.commit_timeout_s);
+  answer(outcome.success, outcome.message, &response);
+  return true;
+}
+
+bool ControlServices::dumpReport(Trigger::Request&, Trigger::Response& response) {
+  const std::optional<Present> now = present();
+  if (!now) {
+    answer(false, kNoImage, &response);
+    return true;
+  }
+  const std::string error =
+      writeFileAtomically(options_.report_file, toYaml(now->report, now->dropped_images));
+  answer(error.empty(), error.empty() ? "report written to " + options_.report_file : error,
+         &response);
+  return true;
+}
+
+bool ControlServices::freeze(std_srvs::SetBool::Request& request,
+                             std_srvs::SetBool::Response& response) {
+  bool done = false;
+  const bool running = targets_.with_calibrator(
+      [&](SelfCalibrator& calibrator) { done = calibrator.freeze(request.data); });
+  if (!running) {
+    answer(false, kNoImage, &response);
+  } else if (!done) {
+    answer(false, "there is no calibration to keep yet: it is still being learnt from nothing",
+           &response);
+  } else {
+    answer(true,
+           request.data ? "the calibration is kept as it is; tracking goes on" : "learning goes on",
+           &response);
+  }
+  return true;
+}
+
+bool ControlServices::setCameraInfo(sensor_msgs::SetCameraInfo::Request& request,
+                                    sensor_msgs::SetCameraInfo::Response& response) {
+  const sensor_msgs::CameraInfo& info = request.camera_info;
+  const std::optional<CameraFit> start = startFrom(info, options_.model);
+  response.success = false;
+  if (!start) {
+    response.status_message = "the message is uncalibrated, or its distortion model '" +
+                              info.distortion_model + "' cannot be used as " +
+                              toString(options_.model);
+    return true;
+  }
+  std::string size_problem;
+  const bool running = targets_.with_calibrator([&](SelfCalibrator& calibrator) {
+    const Camera now = calibrator.calibration().camera;
+    if (now.width() > 0 &&
+        (now.width() != start->camera.width() || now.height() != start->camera.height())) {
+      size_problem = "it is for images of " + std::to_string(start->camera.width()) + " x " +
+                     std::to_string(start->camera.height()) + ", these are " +
+                     std::to_string(now.width()) + " x " + std::to_string(now.height());
+      return;
+    }
+    calibrator.reset(start->camera);
+  });
+  response.success = running && size_problem.empty();
+  response.status_message = !running ? kNoImage : size_problem;
+  if (!response.success) return true;
+  targets_.store->beginAnew();
+  response.status_message = "learning begins anew from this calibration with the next image";
+  return true;
+}
+
+bool ControlServices::setScale(SetScale::Request& request, SetScale::Response& response) {
+  bool done = false;
+  const bool running = targets_.with_calibrator(
+      [&](SelfCalibrator& calibrator) { done = calibrator.setScale(request.factor); });
+  std::string message = "lengths are multiplied from the next image on, with a new map_id";
+  if (!running) {
+    message = kNoImage;
+  } else if (!done) {
+    message = request.factor > 0.0 ? "the camera is not being tracked: there is no map to scale"
+                                   : "the factor must be a positive number";
+  }
+  answer(done, message, &response);
+  return true;
+}
+
+}  // namespace camera_self_calibration

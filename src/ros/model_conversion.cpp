@@ -1,0 +1,19 @@
+#include "camera_self_calibration/ros/model_conversion.h"
+
+#include "camera_self_calibration/ros/camera_info.h"
+
+namespace camera_self_calibration {
+
+std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info, CameraModel model) {
+  const std::optional<Camera> camera = toCamera(info);
+  if (!camera || camera->width() <= 0 || camera->height() <= 0) return std::nullopt;
+  if (camera->model() == model) return CameraFit{*camera, {}};
+  if (camera->model() == CameraModel::kPinhole && model == CameraModel::kRadtan) {
+    Intrinsics parameters = Intrinsics::Zero(Camera::parameterCount(model));
+    parameters.head<4>() = camera->parameters();
+    return CameraFit{Camera(model, camera->width(), camera->height(), parameters), {}};
+  }
+  return fitCamera(*camera, model);
+}
+
+}  // namespace camera_self_calibration

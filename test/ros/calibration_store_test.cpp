@@ -1,0 +1,172 @@
+#include "camera_self_calibration/ros/calibration_store.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "camera/sample_cameras.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/ros/camera_info.h"
+#include "camera_self_calibration/ros/model_conversion.h"
+
+namespace camera_self_calibration {
+namespace {
+
+namespace fs = std::filesystem;
+
+const Camera kFov = camera640(CameraModel::kFov, {300, 302, 318, 242, 0.95});
+
+/// The least that counts as a sound state.
+LearntState smallState(const Camera& camera, std::uint64_t epoch) {
+  LearntState state;
+  state.camera = camera;
+  state.epoch = epoch;
+  Candidate candidate;
+  candidate.camera = camera;
+  candidate.information =
+      IntrinsicsMatrix::Identity(camera.estimatedCount(), camera.estimatedCount());
+  candidate.segment.keyframes.resize(2);
+  candidate.segment.landmarks.resize(1);
+  candidate.segment.observations.resize(1);
+  state.segments.push_back(candidate);
+  return state;
+}
+
+class CalibrationStoreTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("store_test_" + std::to_string(::getpid()));
+    fs::create_directories(folder_);
+    options_.camera_name = "eye";
+    options_.calibration_file = folder_ / "eye.yaml";
+    options_.state_file = folder_ / "eye.state";
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  static sensor_msgs::CameraInfo info() { return toCameraInfo(kFov)->info; }
+  CalibrationStore::Loaded load(const StoreOptions& options, CameraModel model = CameraModel::kFov,
+                                int width = 640) const {
+    return CalibrationStore(options).load(model, width, 480);
+  }
+
+  fs::path folder_;
+  StoreOptions options_;
+};
+
+TEST_F(CalibrationStoreTest, NothingThereIsNoProblem) {
+  const auto loaded = load(options_);
+  EXPECT_FALSE(loaded.state);
+  EXPECT_FALSE(loaded.camera);
+  EXPECT_TRUE(loaded.problems.empty());
+}
+
+TEST_F(CalibrationStoreTest, LoadsWhatItSaved) {
+  const auto outcome = CalibrationStore(options_).save(smallState(kFov, 3), info());
+  EXPECT_TRUE(outcome.success) << outcome.message;
+  EXPECT_NE(outcome.message.find("eye.yaml"), std::string::npos);
+  const auto loaded = load(options_);
+  EXPECT_TRUE(loaded.problems.empty());
+  EXPECT_EQ(loaded.notes.size(), 2u);
+  ASSERT_TRUE(loaded.state);
+  EXPECT_EQ(loaded.state->epoch, 3u);
+  ASSERT_TRUE(loaded.camera);
+  EXPECT_EQ(loaded.camera->model(), CameraModel::kFov);
+  EXPECT_LT(pixelDistance(kFov, *loaded.camera).rms, 0.1);
+  // The calibration alone will do, for another model too.
+  EXPECT_EQ(load(options_, CameraModel::kEquidistant).camera->model(), CameraModel::kEquidistant);
+}
+
+TEST_F(CalibrationStoreTest, WritesIniFilesWhereThatFormatHasTheModel) {
+  options_.calibration_file = folder_ / "eye.ini";
+  const Camera radtan =
+      camera640(CameraModel::kRadtan, {400, 401, 320, 240, -0.2, 0.05, 0.001, -0.001});
+  CalibrationStore store(options_);
+  const auto outcome = store.save(smallState(radtan, 0), toCameraInfo(radtan)->info);
+  EXPECT_TRUE(outcome.success) << outcome.message;
+  const auto loaded = load(options_, CameraModel::kRadtan);
+  ASSERT_TRUE(loaded.camera);
+  EXPECT_LT(pixelDistance(radtan, *loaded.camera).rms, 0.01);
+  const std::string before = readFile(options_.calibration_file).bytes;
+  const auto refused = store.save(smallState(kFov, 0), info());
+  EXPECT_FALSE(refused.success);
+  EXPECT_NE(refused.message.find("format"), std::string::npos) << refused.message;
+  EXPECT_EQ(readFile(options_.calibration_file).bytes, before);
+}
+
+TEST_F(CalibrationStoreTest, WhatDoesNotFitIsNamedAndNeverWrittenOver) {
+  ASSERT_TRUE(CalibrationStore(options_).save(smallState(kFov, 0), info()).success);
+  const std::string state = readFile(options_.state_file).bytes;
+  const std::string calibration = readFile(options_.calibration_file).bytes;
+  const auto expectRefused = [&](const StoreOptions& options, const Camera& camera,
+                                 std::size_t problems, const std::string& word) {
+    CalibrationStore store(options);
+    const auto loaded = store.load(camera.model(), camera.width(), camera.height());
+    ASSERT_EQ(loaded.problems.size(), problems);
+    std::string all;
+    for (const std::string& problem : loaded.problems) all += problem;
+    EXPECT_NE(all.find(word), std::string::npos) << all;
+    const auto outcome = store.save(smallState(camera, 1), toCameraInfo(camera)->info);
+    EXPECT_FALSE(outcome.success);
+    EXPECT_NE(outcome.message.find("left untouched"), std::string::npos) << outcome.message;
+  };
+  expectRefused(options_, Camera::defaultGuess(CameraModel::kFov, 320, 240), 2, "640 x 480");
+  StoreOptions other = options_;
+  other.camera_name = "ear";
+  expectRefused(other, kFov, 1, "'eye'");
+  EXPECT_EQ(readFile(options_.calibration_file).bytes, calibration);
+  expectRefused(options_, Camera::defaultGuess(CameraModel::kPinhole, 640, 480), 1,
+                "the model fov");
+
+  for (const std::string& bytes : std::vector<std::string>{"", state.substr(0, 100), "x: y"}) {
+    ASSERT_EQ(writeFileAtomically(options_.state_file, bytes), "");
+    ASSERT_EQ(writeFileAtomically(options_.calibration_file, bytes), "");
+    expectRefused(options_, kFov, 2, "not used");
+    EXPECT_EQ(readFile(options_.state_file).bytes, bytes);
+    EXPECT_EQ(readFile(options_.calibration_file).bytes, bytes);
+  }
+}
+
+TEST_F(CalibrationStoreTest, WhatWasLearntOfAnotherLensIsKept) {
+  CalibrationStore store(options_);
+  ASSERT_TRUE(store.save(smallState(kFov, 0), info()).success);
+  const std::string first = readFile(options_.state_file).bytes;
+  EXPECT_FALSE(readFile(options_.state_file + ".previous").exists);
+  ASSERT_TRUE(store.save(smallState(kFov, 1), info()).success);
+  EXPECT_EQ(readFile(options_.state_file + ".previous").bytes, first);
+  const std::string second = readFile(options_.state_file).bytes;
+  ASSERT_TRUE(store.save(smallState(kFov, 1), info()).success);
+  EXPECT_EQ(readFile(options_.state_file + ".previous").bytes, first);
+  store.beginAnew();
+  ASSERT_TRUE(store.save(smallState(kFov, 1), info()).success);
+  EXPECT_EQ(readFile(options_.state_file + ".previous").bytes, second);
+}
+
+TEST_F(CalibrationStoreTest, SaysWhereItCannotWrite) {
+  ASSERT_EQ(writeFileAtomically(folder_ / "file", "x"), "");
+  options_.state_file = folder_ / "file" / "below.state";
+  const auto outcome = CalibrationStore(options_).save(smallState(kFov, 0), info());
+  EXPECT_FALSE(outcome.success);
+  EXPECT_NE(outcome.message.find("below.state"), std::string::npos) << outcome.message;
+  EXPECT_NE(outcome.message.find("saved to"), std::string::npos) << "the other one was";
+  EXPECT_FALSE(CalibrationStore(StoreOptions()).save(smallState(kFov, 0), info()).success);
+}
+
+TEST(CameraStart, IsExactWhereTheModelsAgree) {
+  const Camera radtan =
+      camera640(CameraModel::kRadtan, {400, 401, 320, 240, -0.2, 0.05, 0.001, -0.001});
+  const auto same = startFrom(toCameraInfo(radtan)->info, CameraModel::kRadtan);
+  ASSERT_TRUE(same);
+  EXPECT_EQ(same->camera.parameters(), radtan.parameters());
+  const Camera pinhole = camera640(CameraModel::kPinhole, {400, 401, 320, 240});
+  const auto wider = startFrom(toCameraInfo(pinhole)->info, CameraModel::kRadtan);
+  ASSERT_TRUE(wider);
+  EXPECT_EQ(wider->error.max, 0.0);
+  EXPECT_EQ(wider->camera.estimatedCount(), 8);
+  EXPECT_EQ(wider->camera.parameters().head<4>(), pinhole.parameters());
+  EXPECT_FALSE(startFrom(sensor_msgs::CameraInfo(), CameraModel::kFov));
+  EXPECT_FALSE(startFrom(uncalibratedCameraInfo(640, 480), CameraModel::kFov));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

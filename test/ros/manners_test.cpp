@@ -1,0 +1,262 @@
+// The nodelet among others in one manager: comes and goes without a trace, minds its own camera,
+// copies nothing, holds nobody up.
+
+#include <camera_self_calibration/SelfCalibrationConfig.h>
+#include <dynamic_reconfigure/client.h>
+#include <gtest/gtest.h>
+#include <nodelet/NodeletList.h>
+#include <nodelet/loader.h>
+#include <ros/callback_queue.h>
+#include <ros/master.h>
+#include <ros/network.h>
+#include <ros/spinner.h>
+#include <ros/xmlrpc_manager.h>
+#include <tf2_msgs/TFMessage.h>
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <iostream>
+#include <sstream>
+#include <thread>
+
+#include "camera/sample_cameras.h"
+#include "ros/robot.h"
+
+namespace camera_self_calibration {
+namespace {
+
+/// Some rendered images, again and again, forth and back, with growing stamps.
+class Clip {
+ public:
+  explicit Clip(int width) {
+    SequenceOptions options;
+    options.lens.camera = Camera::defaultGuess(CameraModel::kFov, width, width * 3 / 4);
+    options.room.texture_detail = 0.3;
+    options.rate_hz = 15.0;
+    options.motion.speed = 0.6;
+    const SimulatedSequence sequence(options);
+    for (int i = 0; i < 25; ++i) images_.push_back(toMessage(sequence.frame(i).view()));
+  }
+  sensor_msgs::ImagePtr next() {
+    const int last = static_cast<int>(images_.size()) - 1;
+    const int phase = count_ % (2 * last);
+    auto image =
+        boost::make_shared<sensor_msgs::Image>(images_[phase <= last ? phase : 2 * last - phase]);
+    image->header.stamp = ros::Time(1000.0 + count_++ / 15.0);
+    return image;
+  }
+
+ private:
+  std::vector<sensor_msgs::Image> images_;
+  int count_ = 0;
+};
+
+/// Publishes a clip in the background.
+class Stream {
+ public:
+  Stream(const std::string& topic, int width, double rate_hz)
+      : clip_(width),
+        publisher_(ros::NodeHandle().advertise<sensor_msgs::Image>(topic, 5)),
+        thread_([this, rate_hz] {
+          while (!stop_) {
+            publisher_.publish(clip_.next());
+            ros::WallDuration(1.0 / rate_hz).sleep();
+          }
+        }) {}
+  ~Stream() {
+    stop_ = true;
+    thread_.join();
+  }
+
+ private:
+  Clip clip_;
+  ros::Publisher publisher_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+/// Process id of a node, asked of itself; 0 if it does not answer.
+int pidOf(const std::string& node) {
+  XmlRpc::XmlRpcValue request, response, payload;
+  request[0] = "/manners_test";
+  request[1] = node;
+  if (!ros::master::execute("lookupNode", request, response, payload, false)) return 0;
+  std::string host;
+  std::uint32_t port = 0;
+  ros::network::splitURI(static_cast<std::string>(payload), host, port);
+  XmlRpc::XmlRpcClient client(host.c_str(), static_cast<int>(port), "/");
+  XmlRpc::XmlRpcValue caller, answer;
+  caller[0] = "/manners_test";
+  if (!client.execute("getPid", caller, answer) || answer.size() < 3) return 0;
+  return static_cast<int>(answer[2]);
+}
+
+/// A number from /proc/PID/status, such as "VmRSS" [kB] or "Threads".
+long statusOf(int pid, const std::string& key) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/status");
+  for (std::string line; std::getline(file, line);) {
+    if (line.compare(0, key.size() + 1, key + ":") != 0) continue;
+    return std::stol(line.substr(key.size() + 1));
+  }
+  return -1;
+}
+
+bool holds(const std::string& nodelet_name) {
+  nodelet::NodeletList list;
+  if (!ros::service::call("/manager/list", list)) return false;
+  const auto& names = list.response.nodelets;
+  return std::find(names.begin(), names.end(), nodelet_name) != names.end();
+}
+
+template <typename Message>
+bool hears(const Recorder<Message>& recorder, std::size_t more) {
+  const std::size_t before = recorder.messages.size();
+  return spinUntil([&] { return recorder.messages.size() >= before + more; }, 20.0);
+}
+
+class Manners : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(ros::service::waitForService("/manager/load_nodelet", 20000));
+  }
+};
+
+TEST_F(Manners, TwentyTimesLoadedAndUnloadedLeavesNothingBehind) {
+  const Stream stream("/left/image_raw", 320, 30.0);
+  Recorder<TrackingStatus> status("/left/tracking_status");
+  const int pid = pidOf("/manager");
+  ASSERT_GT(pid, 0);
+  long memory_before = 0;
+  long threads_before = 0;
+  for (int round = 0; round < 20; ++round) {
+    ASSERT_TRUE(loadNodelet("/left", "/left/image_raw")) << round;
+    EXPECT_TRUE(hears(status, 3)) << round;
+    ASSERT_TRUE(unloadNodelet("/left")) << round;
+    ASSERT_FALSE(holds("/left"));
+    if (round == 7) {  // pools of memory and threads are filled by then
+      memory_before = statusOf(pid, "VmRSS");
+      threads_before = statusOf(pid, "Threads");
+    }
+  }
+  const long memory = statusOf(pid, "VmRSS");
+  const long threads = statusOf(pid, "Threads");
+  std::cout << "manager: " << memory_before << " kB and " << threads_before
+            << " threads after 8 rounds, " << memory << " kB and " << threads << " after 20\n";
+  EXPECT_EQ(pidOf("/manager"), pid) << "the manager died";
+  EXPECT_LT(memory - memory_before, 12 * 300) << "at most 300 kB a round";
+  EXPECT_LE(threads, threads_before);
+  ros::V_string nodes;
+  ros::master::V_TopicInfo topics;
+  ASSERT_TRUE(ros::master::getTopics(topics));
+  for (const ros::master::TopicInfo& topic : topics) {
+    EXPECT_EQ(topic.name.find("/left/tracking"), std::string::npos) << topic.name;
+  }
+}
+
+TEST_F(Manners, TwoCamerasInOneManagerKeepApart) {
+  const Stream left_stream("/left/image_raw", 320, 15.0);
+  const Stream right_stream("/right/image_raw", 256, 15.0);
+  ASSERT_TRUE(loadNodelet("/left", "/left/image_raw"));
+  ASSERT_TRUE(loadNodelet("/right", "/right/image_raw"));
+  Recorder<Calibration> left("/left/calibration"), right("/right/calibration");
+  Recorder<sensor_msgs::CameraInfo> left_info("/left/camera_info"),
+      right_info("/right/camera_info");
+  EXPECT_TRUE(hears(left, 3));
+  EXPECT_TRUE(hears(right, 3));
+  EXPECT_TRUE(hears(left_info, 3));
+  EXPECT_TRUE(hears(right_info, 3));
+  for (const auto& message : left.messages) {
+    EXPECT_EQ(message->model, "fov");
+    EXPECT_EQ(message->width, 320u);
+  }
+  for (const auto& message : right.messages) {
+    EXPECT_EQ(message->model, "pinhole");
+    EXPECT_EQ(message->width, 256u);
+  }
+  for (const auto& info : left_info.messages) EXPECT_EQ(info->width, 320u);
+  for (const auto& info : right_info.messages) EXPECT_EQ(info->width, 256u);
+  // One goes, the other stays.
+  ASSERT_TRUE(unloadNodelet("/left"));
+  EXPECT_TRUE(hears(right, 1));
+  EXPECT_TRUE(hears(right_info, 5));
+  ASSERT_TRUE(unloadNodelet("/right"));
+}
+
+TEST_F(Manners, LiveParametersChangeWhileItRuns) {
+  const Stream stream("/left/image_raw", 320, 15.0);
+  ASSERT_TRUE(loadNodelet("/left", "/left/image_raw"));
+  // The client waits for answers that another thread has to hear.
+  ros::CallbackQueue queue;
+  ros::NodeHandle client_node("/left");
+  client_node.setCallbackQueue(&queue);
+  ros::AsyncSpinner spinner(1, &queue);
+  spinner.start();
+  dynamic_reconfigure::Client<SelfCalibrationConfig> client("/left", client_node);
+  SelfCalibrationConfig config;
+  ASSERT_TRUE(client.getCurrentConfiguration(config, ros::Duration(10.0)));
+  EXPECT_EQ(config.min_publish_change_px, 0.1);
+  EXPECT_TRUE(config.publish_tf);
+  Recorder<tf2_msgs::TFMessage> tf("/tf");
+  EXPECT_TRUE(hears(tf, 2));
+  config.publish_tf = false;
+  ASSERT_TRUE(client.setConfiguration(config));
+  Recorder<TrackingStatus> status("/left/tracking_status");
+  EXPECT_TRUE(hears(status, 3));
+  const std::size_t transforms = tf.messages.size();
+  EXPECT_TRUE(hears(status, 8));
+  EXPECT_LE(tf.messages.size(), transforms + 2) << "those under way";
+  config.publish_tf = true;
+  ASSERT_TRUE(client.setConfiguration(config));
+  EXPECT_TRUE(hears(tf, 2));
+  ASSERT_TRUE(unloadNodelet("/left"));
+}
+
+// With a loader in this process messages are handed over by pointer, as between nodelets.
+TEST_F(Manners, ImagesAreNeitherCopiedNorHeldUp) {
+  nodelet::Loader loader(false);
+  const nodelet::M_string remappings = {
+      {ros::names::resolve("/image"), "/inside_camera/image_raw"}};
+  const ros::WallTime begin = ros::WallTime::now();
+  ASSERT_TRUE(loader.load("/inside", "camera_self_calibration/SelfCalibrationNodelet", remappings,
+                          nodelet::V_string()));
+  const double load_s = (ros::WallTime::now() - begin).toSec();
+  ros::Publisher publisher =
+      ros::NodeHandle().advertise<sensor_msgs::Image>("/inside_camera/image_raw", 5);
+  Recorder<sensor_msgs::Image> images("/inside/image_raw");
+  Recorder<sensor_msgs::CameraInfo> infos("/inside/camera_info");
+  ASSERT_TRUE(spinUntil(
+      [&] { return publisher.getNumSubscribers() > 0 && images.connected() && infos.connected(); },
+      20.0));
+  Clip clip(320);
+  std::vector<sensor_msgs::ImageConstPtr> sent;
+  std::vector<double> delays;
+  for (int i = 0; i < 60; ++i) {
+    sent.push_back(clip.next());
+    const ros::WallTime published = ros::WallTime::now();
+    publisher.publish(sent.back());
+    ASSERT_TRUE(spinUntil([&] { return images.messages.size() == sent.size(); }, 10.0));
+    delays.push_back(1e3 * (ros::WallTime::now() - published).toSec());
+  }
+  ASSERT_TRUE(spinUntil([&] { return infos.messages.size() == sent.size(); }, 10.0));
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    EXPECT_EQ(images.messages[i].get(), sent[i].get()) << "image " << i << " was copied";
+    EXPECT_EQ(infos.messages[i]->header.stamp, sent[i]->header.stamp);
+  }
+  std::sort(delays.begin(), delays.end());
+  std::cout << "loaded in " << 1e3 * load_s << " ms; images came through in " << delays[30]
+            << " ms (median), " << delays.back() << " ms (most)\n";
+  EXPECT_LT(delays[30], 40.0);
+  EXPECT_LT(load_s, 5.0);
+  EXPECT_TRUE(loader.unload("/inside"));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "manners_test");
+  ros::NodeHandle node;
+  return RUN_ALL_TESTS();
+}
