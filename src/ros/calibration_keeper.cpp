@@ -83,6 +83,10 @@ std::vector<std::string> keepingProblems(const NodeOptions& options) {
     if (!resolved.error.empty()) problems.push_back(std::string(parameter) + ": " + resolved.error);
   };
   check("camera_info_url", resolveCalibrationUrl(options.camera_info_url, name));
+  const std::string& url = options.camera_info_url;
+  if (url.size() > 4 && url.compare(url.size() - 4, 4, ".ini") == 0) {
+    problems.push_back("camera_info_url names an .ini file; only .yaml files are written");
+  }
   check("state_file", resolvePath(options.state_file, name));
   check("report_file", resolvePath(options.report_file, name));
   if (options.report_file.empty()) problems.push_back("report_file must not be empty");

@@ -1,6 +1,5 @@
 #include "camera_self_calibration/ros/calibration_store.h"
 
-#include <camera_calibration_parsers/parse_ini.h>
 #include <camera_calibration_parsers/parse_yml.h>
 
 #include <cmath>
@@ -14,25 +13,18 @@
 namespace camera_self_calibration {
 namespace {
 
-bool isIni(const std::string& path) {
-  return path.size() > 4 && path.compare(path.size() - 4, 4, ".ini") == 0;
-}
-
 struct NamedInfo {
   std::string name;
   sensor_msgs::CameraInfo info;
 };
 
-std::optional<NamedInfo> parse(const std::string& path, const std::string& text) {
+std::optional<NamedInfo> parse(const std::string& text) {
   NamedInfo result;
   std::istringstream in(text);
   try {
-    const bool read =
-        isIni(path) ? camera_calibration_parsers::readCalibrationIni(in, result.name, result.info)
-                    : camera_calibration_parsers::readCalibrationYml(in, result.name, result.info);
-    if (read) return result;
+    if (camera_calibration_parsers::readCalibrationYml(in, result.name, result.info)) return result;
   } catch (const std::exception&) {
-    // Said below.
+    // Said by the caller.
   }
   return std::nullopt;
 }
@@ -115,7 +107,7 @@ CalibrationStore::KnownCalibration CalibrationStore::readCalibration(int width, 
         std::nullopt, "the calibration file " + path + " is not used: " + why + kLeftUntouched};
   };
   if (!contents.error.empty()) return refused(contents.error);
-  const std::optional<NamedInfo> named = parse(path, contents.bytes);
+  const std::optional<NamedInfo> named = parse(contents.bytes);
   if (!named) return refused("it is no calibration that camera_info_manager can read");
   if (named->name != options_.camera_name) {
     return refused("it is for the camera '" + named->name + "', this one is '" +
@@ -176,11 +168,8 @@ std::string CalibrationStore::saveCalibration(const sensor_msgs::CameraInfo& inf
   if (!known.refusal.empty()) return known.refusal;
   std::ostringstream text;
   text.precision(17);
-  const bool done =
-      isIni(path)
-          ? camera_calibration_parsers::writeCalibrationIni(text, options_.camera_name, info)
-          : camera_calibration_parsers::writeCalibrationYml(text, options_.camera_name, info);
-  if (!done || !parse(path, text.str())) {
+  if (!camera_calibration_parsers::writeCalibrationYml(text, options_.camera_name, info) ||
+      !parse(text.str())) {
     return "the calibration cannot be put into the format of " + path;
   }
   return writeFileAtomically(path, text.str());

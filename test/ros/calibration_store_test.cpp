@@ -77,23 +77,6 @@ TEST_F(CalibrationStoreTest, LoadsWhatItSaved) {
   EXPECT_EQ(load(options_, CameraModel::kEquidistant).camera->model(), CameraModel::kEquidistant);
 }
 
-TEST_F(CalibrationStoreTest, WritesIniFilesWhereThatFormatHasTheModel) {
-  options_.calibration_file = folder_ / "eye.ini";
-  const Camera radtan =
-      camera640(CameraModel::kRadtan, {400, 401, 320, 240, -0.2, 0.05, 0.001, -0.001});
-  CalibrationStore store(options_);
-  const auto outcome = store.save(smallState(radtan, 0), toCameraInfo(radtan)->info);
-  EXPECT_TRUE(outcome.success) << outcome.message;
-  const auto loaded = load(options_, CameraModel::kRadtan);
-  ASSERT_TRUE(loaded.camera);
-  EXPECT_LT(pixelDistance(radtan, *loaded.camera).rms, 0.01);
-  const std::string before = readFile(options_.calibration_file).bytes;
-  const auto refused = store.save(smallState(kFov, 0), info());
-  EXPECT_FALSE(refused.success);
-  EXPECT_NE(refused.message.find("format"), std::string::npos) << refused.message;
-  EXPECT_EQ(readFile(options_.calibration_file).bytes, before);
-}
-
 TEST_F(CalibrationStoreTest, WhatDoesNotFitIsNamedAndNeverWrittenOver) {
   ASSERT_TRUE(CalibrationStore(options_).save(smallState(kFov, 0), info()).success);
   const std::string state = readFile(options_.state_file).bytes;

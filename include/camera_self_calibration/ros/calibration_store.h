@@ -15,7 +15,7 @@ namespace camera_self_calibration {
 /// Where a calibration is kept. Empty: not kept there.
 struct StoreOptions {
   std::string camera_name = "camera";
-  std::string calibration_file;  ///< As camera_info_manager keeps it (YAML, or INI by its ending).
+  std::string calibration_file;  ///< YAML, as camera_info_manager keeps it.
   std::string state_file;        ///< Everything that was learnt (LearntState).
 };
 
