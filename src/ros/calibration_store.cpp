@@ -87,7 +87,7 @@ CalibrationStore::KnownState CalibrationStore::readState(CameraModel model, int 
   const DecodedState decoded = decodeState(contents.bytes);
   if (!decoded.state) return refused(decoded.error);
   const Camera& camera = decoded.state->camera;
-  if (camera.model() != model) {
+  if (camera.model() != model && !options_.any_model) {
     return refused("it is for the model " + toString(camera.model()) + ", not " + toString(model));
   }
   if (camera.width() != width || camera.height() != height) {

@@ -11,12 +11,16 @@
 #include <ros/network.h>
 #include <ros/spinner.h>
 #include <ros/xmlrpc_manager.h>
+#include <sensor_msgs/CompressedImage.h>
+#include <sys/resource.h>
 #include <tf2_msgs/TFMessage.h>
 
 #include <algorithm>
 #include <atomic>
 #include <fstream>
 #include <iostream>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <sstream>
 #include <thread>
 
@@ -251,6 +255,62 @@ TEST_F(Manners, ImagesAreNeitherCopiedNorHeldUp) {
             << " ms (median), " << delays.back() << " ms (most)\n";
   EXPECT_LT(delays[30], 40.0);
   EXPECT_LT(load_s, 5.0);
+  EXPECT_TRUE(loader.unload("/inside"));
+}
+
+double processSeconds() {
+  rusage usage;
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<double>(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+         1e-6 * static_cast<double>(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
+sensor_msgs::CompressedImage compressed(const sensor_msgs::Image& image) {
+  const cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC1,
+                       const_cast<std::uint8_t*>(image.data.data()));
+  cv::Mat colour;
+  cv::cvtColor(pixels, colour, cv::COLOR_GRAY2BGR);
+  sensor_msgs::CompressedImage message;
+  message.header = image.header;
+  message.format = "jpeg";
+  cv::imencode(".jpg", colour, message.data);
+  return message;
+}
+
+// Decoding in colour for ~image_raw is the dearest work that only listeners need.
+TEST_F(Manners, TopicsThatNobodyHearsCostNothing) {
+  nodelet::Loader loader(false);
+  const nodelet::M_string remappings = {
+      {ros::names::resolve("/image"), "/packed_camera/image_raw"}};
+  ASSERT_TRUE(loader.load("/inside", "camera_self_calibration/SelfCalibrationNodelet", remappings,
+                          nodelet::V_string()));
+  ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::CompressedImage>(
+      "/packed_camera/image_raw/compressed", 5);
+  Recorder<TrackingStatus> status("/inside/tracking_status");
+  ASSERT_TRUE(
+      spinUntil([&] { return publisher.getNumSubscribers() > 0 && status.connected(); }, 20.0));
+  Clip clip(640);
+  std::vector<sensor_msgs::CompressedImage> images;
+  for (int i = 0; i < 90; ++i) images.push_back(compressed(*clip.next()));
+  int next = 0;
+  const auto secondsForThirty = [&] {
+    const double begin = processSeconds();
+    for (int i = 0; i < 30; ++i) {
+      const std::size_t before = status.messages.size();
+      publisher.publish(images[next++]);
+      EXPECT_TRUE(spinUntil([&] { return status.messages.size() > before; }, 10.0));
+    }
+    return processSeconds() - begin;
+  };
+  secondsForThirty();  // startup
+  const double unheard = secondsForThirty();
+  Recorder<sensor_msgs::Image> listener("/inside/image_raw");
+  ASSERT_TRUE(spinUntil([&] { return listener.connected(); }, 20.0));
+  const double heard = secondsForThirty();
+  std::cout << "30 images cost " << 1e3 * unheard << " ms unheard, " << 1e3 * heard
+            << " ms with a listener to ~image_raw\n";
+  EXPECT_GE(listener.messages.size(), 28u);
+  EXPECT_LT(unheard, heard);
   EXPECT_TRUE(loader.unload("/inside"));
 }
 

@@ -17,6 +17,7 @@ struct StoreOptions {
   std::string camera_name = "camera";
   std::string calibration_file;  ///< YAML, as camera_info_manager keeps it.
   std::string state_file;        ///< Everything that was learnt (LearntState).
+  bool any_model = false;        ///< A state of another camera model is taken too.
 };
 
 /// The calibration on the disk. Writes atomically and reads back. A file that cannot be read, or
