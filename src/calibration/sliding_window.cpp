@@ -39,7 +39,7 @@ SolverOptions windowSolver() {
   SolverOptions options;
   options.max_iterations = 8;
   options.step_tolerance = 1e-2;
-  options.cost_tolerance = 1e-4;
+  options.cost_tolerance = 1e-3;  // outlying tracks alone settle beyond it; they are gated
   return options;
 }
 

@@ -31,12 +31,13 @@ inline double angleInQuadrant(double y, double x) {
       (y > kBorder[0] * x) + (y > kBorder[1] * x) + (y > kBorder[2] * x) + (y > kBorder[3] * x);
   const double t = (kCosine[k] * y - kSine[k] * x) / (kCosine[k] * x + kSine[k] * y);
   const double s = t * t;
-  double p = 0.0511567552325832353;
-  for (const double coefficient :
-       {-0.0661872342171513241, 0.0769072401685326053, -0.0909087994065675021, 0.111111108188559309,
-        -0.142857142842727075, 0.199999999999972875, -0.333333333333333325}) {
-    p = p * s + coefficient;
-  }
+  // In pairs, so that the processor need not wait for one product after the other.
+  const double s2 = s * s;
+  const double low = (-0.333333333333333325 + 0.199999999999972875 * s) +
+                     s2 * (-0.142857142842727075 + 0.111111108188559309 * s);
+  const double high = (-0.0909087994065675021 + 0.0769072401685326053 * s) +
+                      s2 * (-0.0661872342171513241 + 0.0511567552325832353 * s);
+  const double p = low + s2 * s2 * high;
   return kAngle[k] + (t + t * s * p);
 }
 

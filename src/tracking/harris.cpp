@@ -77,17 +77,29 @@ void HarrisDetector::respond(const ImagePyramid& image) {
   }
 }
 
+// Whether each pixel of a row is a maximum among its neighbours, without a branch: vectorises.
+void HarrisDetector::markMaxima(int y, int border) {
+  const float* row = response_.ptr<float>(y);
+  const float* above = response_.ptr<float>(y - 1);
+  const float* below = response_.ptr<float>(y + 1);
+  int* marks = marks_.data();
+  for (int x = border; x < response_.cols - border; ++x) {
+    const float c = row[x];
+    const float before =
+        std::max(std::max(row[x - 1], above[x]), std::max(above[x - 1], above[x + 1]));
+    const float after =
+        std::max(std::max(row[x + 1], below[x]), std::max(below[x - 1], below[x + 1]));
+    marks[x] = (c >= kMinResponse) & (c > before) & (c >= after);
+  }
+}
+
 void HarrisDetector::findMaxima(int border) {
+  marks_.resize(static_cast<std::size_t>(response_.cols));
   for (int y = border; y < response_.rows - border; ++y) {
-    const float* row = response_.ptr<float>(y);
-    const float* above = response_.ptr<float>(y - 1);
-    const float* below = response_.ptr<float>(y + 1);
+    markMaxima(y, border);
     for (int x = border; x < response_.cols - border; ++x) {
-      const float c = row[x];
-      if (c < kMinResponse || c <= row[x - 1] || c < row[x + 1]) continue;
-      if (c <= above[x - 1] || c <= above[x] || c <= above[x + 1]) continue;
-      if (c < below[x - 1] || c < below[x] || c < below[x + 1]) continue;
-      corners_.push_back({x, y, c});
+      if (marks_[static_cast<std::size_t>(x)] == 0) continue;
+      corners_.push_back({x, y, response_.ptr<float>(y)[x]});
     }
   }
 }
@@ -97,23 +109,28 @@ void HarrisDetector::order(int cell) {
     if (a.response != b.response) return a.response > b.response;
     return a.y != b.y ? a.y < b.y : a.x < b.x;
   };
-  std::sort(corners_.begin(), corners_.end(), stronger);
   if (corners_.empty()) return;
-  const auto strong = static_cast<std::size_t>(kStrongShare * static_cast<double>(corners_.size()));
-  const float threshold = kRelativeThreshold * corners_[strong].response;
+  const auto strong = corners_.begin() + static_cast<std::ptrdiff_t>(
+                                             kStrongShare * static_cast<double>(corners_.size()));
+  std::nth_element(corners_.begin(), strong, corners_.end(), stronger);
+  const float threshold = kRelativeThreshold * strong->response;
+  corners_.erase(std::remove_if(corners_.begin(), corners_.end(),
+                                [=](const Corner& c) { return c.response < threshold; }),
+                 corners_.end());
+  std::sort(corners_.begin(), corners_.end(), stronger);
 
   const int columns = response_.cols / cell + 1;
   in_cell_.assign(static_cast<std::size_t>(columns * (response_.rows / cell + 1)), 0);
   round_.clear();
   for (const Corner& corner : corners_) {
-    if (corner.response < threshold) break;
     round_.push_back(
         in_cell_[static_cast<std::size_t>(corner.y / cell * columns + corner.x / cell)]++);
   }
   order_.resize(round_.size());
   std::iota(order_.begin(), order_.end(), std::size_t{0});
-  std::stable_sort(order_.begin(), order_.end(),
-                   [&](std::size_t a, std::size_t b) { return round_[a] < round_[b]; });
+  std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
+    return round_[a] != round_[b] ? round_[a] < round_[b] : a < b;
+  });
   for (const std::size_t i : order_) ordered_.push_back(corners_[i]);
 }
 

@@ -18,9 +18,9 @@ void LocalMotion::weighOutliers() {
   std::vector<double>& misses = misses_;
   misses.clear();
   for (const Pair& pair : pairs_) misses.push_back((at(pair.from).pixel - pair.to).norm());
-  std::vector<double> sorted = misses;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
+  sorted_ = misses;
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
   const double scale = 2.0 * *middle + kMinMiss;
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     pairs_[i].weight = 1.0 / (1.0 + std::pow(misses[i] / scale, 4));

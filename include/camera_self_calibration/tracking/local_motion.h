@@ -43,6 +43,7 @@ class LocalMotion {
 
   std::vector<Pair> pairs_;
   std::vector<double> misses_;
+  std::vector<double> sorted_;
   double reach_ = 1.0;
 };
 
