@@ -16,6 +16,7 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct PointDerivatives {
+  Eigen::Vector2d pixel;
   PixelIntrinsicsJacobian a;  // d pixel / d intrinsics, estimated ones
   Matrix23d b;                // d pixel / d rotation of the camera
 };
@@ -27,7 +28,8 @@ std::vector<PointDerivatives> gridDerivatives(const Camera& camera) {
     Matrix23d j;
     PixelIntrinsicsJacobian d_parameters;
     if (!camera.project(point.ray, &pixel, &j, &d_parameters)) continue;
-    all.push_back({d_parameters.leftCols(camera.estimatedCount()), -j * skew(point.ray)});
+    all.push_back(
+        {point.pixel, d_parameters.leftCols(camera.estimatedCount()), -j * skew(point.ray)});
   }
   return all;
 }
@@ -65,13 +67,11 @@ RotationStep rotationStep(const std::vector<PixelRay>& grid, const Camera& b,
 
 }  // namespace
 
-PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance) {
+std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
+                                                 const IntrinsicsMatrix& covariance) {
   const int n = camera.estimatedCount();
-  const PixelError unknown{kInfinity, kInfinity};
-  if (covariance.rows() != n || covariance.cols() != n || !covariance.allFinite()) return unknown;
+  if (covariance.rows() != n || covariance.cols() != n || !covariance.allFinite()) return {};
   const std::vector<PointDerivatives> grid = gridDerivatives(camera);
-  if (grid.empty()) return unknown;
-
   Eigen::Matrix3d btb = Eigen::Matrix3d::Zero();
   RayIntrinsicsJacobian bta = RayIntrinsicsJacobian::Zero(3, n);
   for (const PointDerivatives& point : grid) {
@@ -79,16 +79,28 @@ PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covari
     bta += point.b.transpose() * point.a;
   }
   const RayIntrinsicsJacobian absorbed = btb.ldlt().solve(bta);
-  double sum = 0.0;
-  double largest = 0.0;
+  std::vector<UncertainPixel> result;
+  result.reserve(grid.size());
   for (const PointDerivatives& point : grid) {
     // Design: A' = A - B (sum B^T B)^-1 sum B^T A; error covariance A' C A'^T.
     const PixelIntrinsicsJacobian a = point.a - point.b * absorbed;
     const double trace = (a * covariance * a.transpose()).trace();
-    sum += trace;
-    largest = std::max(largest, trace);
+    result.push_back({point.pixel, std::sqrt(std::max(0.0, trace))});
   }
-  return {std::sqrt(std::max(0.0, sum / grid.size())), std::sqrt(largest)};
+  return result;
+}
+
+PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance) {
+  const std::vector<UncertainPixel> grid = uncertaintyOverImage(camera, covariance);
+  if (grid.empty()) return {kInfinity, kInfinity};
+  PixelError error;
+  double sum = 0.0;
+  for (const UncertainPixel& point : grid) {
+    sum += point.sigma * point.sigma;
+    error.max = std::max(error.max, point.sigma);
+  }
+  error.rms = std::sqrt(sum / static_cast<double>(grid.size()));
+  return error;
 }
 
 PixelError pixelDistance(const Camera& a, const Camera& b, double max_radius_px) {

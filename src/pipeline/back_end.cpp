@@ -47,6 +47,11 @@ BackEndOutput BackEnd::process(const KeyframeMessage& message) {
   BackEndOutput output;
   report_.stamp_ns = message.candidate.endNs();
   report_.keyframes = message.keyframes;
+  if (options_.fix_intrinsics) {
+    reportHeldIntrinsics();
+    output.report = report_;
+    return output;
+  }
   considerModel(message);
   if (!handed_over_) runStartup(message);
   if (handed_over_ || startup_.tellsLens()) {
@@ -130,6 +135,13 @@ std::shared_ptr<const LearntState> BackEnd::state() const {
   state->epoch = report_.epoch;
   state->segments = estimate_.candidates();
   return state;
+}
+
+void BackEnd::reportHeldIntrinsics() {
+  report_.state = CalibrationState::kConverged;
+  report_.sentence = "the intrinsics were given and are held";
+  report_.uncertainty = {0.0, 0.0};
+  report_.handed_over = true;
 }
 
 void BackEnd::runStartup(const KeyframeMessage& message) {

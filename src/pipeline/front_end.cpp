@@ -26,7 +26,14 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t fi
     : options_(options),
       window_(windowOptions(options), camera),
       keyframe_rule_(options.keyframe),
-      keyframes_(first_keyframe) {}
+      keyframes_(first_keyframe) {
+  if (options_.fix_intrinsics) {
+    CalibrationUpdate held;
+    held.camera = camera;
+    held.handed_over = true;
+    adopt(held);
+  }
+}
 
 void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;

@@ -38,6 +38,9 @@ std::vector<std::string> Options::problems() const {
     list.push_back("initial_camera must be a valid camera of the model " + toString(model) +
                    " with its image size");
   }
+  if (fix_intrinsics && !initial_camera) {
+    list.push_back("fix_intrinsics needs initial_camera, the intrinsics to hold");
+  }
   return list;
 }
 

@@ -218,6 +218,7 @@ void SelfCalibrator::Impl::processKeyframe(const KeyframeMessage& message) {
     if (revision > 0) back_end->continueAfter(revision);
     back_end_beginning = number;
   }
+  if (callbacks.keyframe) callbacks.keyframe(message);
   BackEndOutput output = back_end->process(message, frozen);
   {
     std::lock_guard<std::mutex> lock(mutex);

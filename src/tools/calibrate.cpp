@@ -1,6 +1,7 @@
 #include "camera_self_calibration/tools/calibrate.h"
 
 #include <iostream>
+#include <memory>
 #include <stdexcept>
 
 #include "camera_self_calibration/pipeline/self_calibrator.h"
@@ -30,14 +31,22 @@ void conclude(const InputCounts& counts) {
   if (counts.rejected > 0) std::cerr << "warning: " << counts.rejected << " images left out\n";
 }
 
+void addPose(const FrameResult& result, std::vector<TimedPose>* poses) {
+  if (result.state != TrackingState::kTracking) return;
+  TimedPose pose;
+  pose.stamp_ns = result.stamp_ns;
+  pose.map_id = result.map_id;
+  pose.world_from_camera = result.world_from_camera;
+  pose.is_keyframe = result.is_keyframe;
+  poses->push_back(pose);
+}
+
 Callbacks recordInto(Recording* recording) {
   Callbacks callbacks;
   callbacks.frame = [recording](const FrameResult& result) {
     ++recording->frames;
     if (result.is_keyframe) ++recording->keyframes;
-    if (result.state != TrackingState::kTracking) return;
-    recording->poses.push_back(
-        {result.stamp_ns, result.map_id, result.is_keyframe, result.world_from_camera});
+    addPose(result, &recording->poses);
   };
   callbacks.calibration = [recording](const CalibrationReport& report) {
     recording->reports.push_back(report);
@@ -46,20 +55,56 @@ Callbacks recordInto(Recording* recording) {
   return callbacks;
 }
 
-void checkInitialSize(const Options& options, const ImageView& first) {
-  if (!options.initial_camera) return;
-  const Camera& initial = *options.initial_camera;
-  if (initial.width() == first.width && initial.height() == first.height) return;
-  throw std::runtime_error("the start values are for images of " +
-                           sizeText(initial.width(), initial.height()) + ", these have " +
+/// Lets a batch watch what the recording hears.
+void watch(const Options& options, BatchComparer* batch, const ImageView** image,
+           Callbacks* callbacks) {
+  callbacks->keyframe = [options, batch, image](const KeyframeMessage& message) {
+    const Camera first =
+        options.initial_camera
+            ? *options.initial_camera
+            : Camera::defaultGuess(options.model, (*image)->width, (*image)->height);
+    batch->add(message, first);
+  };
+  const auto record = callbacks->calibration;
+  callbacks->calibration = [record, batch](const CalibrationReport& report) {
+    record(report);
+    batch->add(report);
+  };
+}
+
+/// The second run, with the intrinsics held.
+std::unique_ptr<SelfCalibrator> heldRun(const Options& options, const Camera& reference,
+                                        Recording* recording) {
+  Options held = options;
+  held.model = reference.model();
+  held.initial_camera = reference;
+  held.fix_intrinsics = true;
+  Callbacks callbacks;
+  callbacks.frame = [recording](const FrameResult& result) {
+    addPose(result, &recording->reference_poses);
+  };
+  return std::make_unique<SelfCalibrator>(held, SelfCalibrator::Mode::kInline, callbacks);
+}
+
+void checkSize(const std::optional<Camera>& camera, const char* what, const ImageView& first) {
+  if (!camera || (camera->width() == first.width && camera->height() == first.height)) return;
+  throw std::runtime_error(std::string(what) + " for images of " +
+                           sizeText(camera->width(), camera->height()) + ", these have " +
                            sizeText(first.width, first.height));
 }
 
 }  // namespace
 
-Recording calibrate(ImageSource* source, const Options& options) {
+Recording calibrate(ImageSource* source, const Options& options, const CalibrateExtras& extras) {
   Recording recording;
-  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, recordInto(&recording));
+  recording.reference = extras.reference;
+  BatchComparer batch(options);
+  const ImageView* view = nullptr;
+  Callbacks callbacks = recordInto(&recording);
+  if (extras.batch) watch(options, &batch, &view, &callbacks);
+  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
+  std::unique_ptr<SelfCalibrator> held;
+  if (extras.reference) held = heldRun(options, *extras.reference, &recording);
   Progress progress(source->count);
   InputMonitor monitor;
   while (const std::optional<GrayImage> image = source->next()) {
@@ -67,14 +112,21 @@ Recording calibrate(ImageSource* source, const Options& options) {
     const InputVerdict verdict = monitor.check(*image);
     if (verdict != InputVerdict::kUse) warn(monitor.counts());
     if (verdict == InputVerdict::kReject) continue;
-    if (recording.frames == 0) checkInitialSize(options, *image->view);
+    if (recording.frames == 0) {
+      checkSize(options.initial_camera, "the start values are", *image->view);
+      checkSize(extras.reference, "the reference calibration is", *image->view);
+    }
+    view = &*image->view;
     calibrator.process(*image->view);
+    if (held) held->process(*image->view);
     if (!recording.reports.empty()) progress.show(recording.reports.back());
   }
   calibrator.flush();
   conclude(monitor.counts());
   recording.processing_seconds = progress.elapsedSeconds();
   recording.final_report = calibrator.calibration();
+  recording.learnt = calibrator.state();
+  if (extras.batch) recording.batch = batch.finish();
   if (recording.frames > 0) progress.show(recording.final_report, true);
   progress.finish();
   return recording;

@@ -1,30 +1,53 @@
 // Calibrates a camera from stored images: the program calibrate_bag.
 
 #include <filesystem>
-#include <iomanip>
+#include <fstream>
 #include <iostream>
+#include <stdexcept>
 
 #include "camera_self_calibration/tools/calibrate.h"
 #include "camera_self_calibration/tools/calibrate_bag_arguments.h"
+#include "camera_self_calibration/tools/report_html.h"
 #include "camera_self_calibration/tools/report_text.h"
+#include "camera_self_calibration/tools/trajectory_results.h"
 
 namespace camera_self_calibration {
 namespace {
 
 enum ExitCode { kConverged = 0, kError = 1, kNotConverged = 2, kNoImages = 3 };
 
+void write(const CalibrateBagArguments& arguments, const std::string& name,
+           const Recording& recording, const TrajectoryResults& trajectory) {
+  writeRecording(arguments.out, name, recording,
+                 {{"batch", batchJson(recording.final_report, recording.batch)},
+                  {"trajectory", trajectoryJson(trajectory)}});
+  if (arguments.extras.batch) {
+    writeBatchFigures(arguments.out, recording.reports, recording.batch, recording.reference);
+  }
+  if (!arguments.report) return;
+  const std::string path = (std::filesystem::path(arguments.out) / "report.html").string();
+  std::ofstream file(path);
+  file << reportHtml(name, recording, trajectory, arguments.ground_truth);
+  if (!file.flush()) throw std::runtime_error(path + " cannot be written");
+}
+
 int run(const CalibrateBagArguments& arguments) {
   ImageSource source = openImages(arguments.source);
   // Before the work rather than after it: a folder that cannot be made.
   if (!arguments.out.empty()) std::filesystem::create_directories(arguments.out);
-  const Recording recording = calibrate(&source, arguments.options);
+  const Recording recording = calibrate(&source, arguments.options, arguments.extras);
   if (recording.frames == 0) {
     std::cerr << "calibrate_bag: no images in " << arguments.source.path
               << (source.name.empty() ? " (it has no image topic)" : "") << '\n';
     return kNoImages;
   }
-  std::cout << reportText(recording);
-  if (!arguments.out.empty()) writeRecording(arguments.out, source.name, recording);
+  const TrajectoryResults trajectory = compareTrajectories(recording, arguments.ground_truth);
+  std::cout << reportText(recording) << batchText(recording.final_report, recording.batch)
+            << trajectoryText(trajectory);
+  if (!arguments.ground_truth.empty() && !trajectory.truth) {
+    std::cerr << "warning: the ground truth has no poses at the times of the images\n";
+  }
+  if (!arguments.out.empty()) write(arguments, source.name, recording, trajectory);
   return recording.final_report.state == CalibrationState::kConverged ? kConverged : kNotConverged;
 }
 

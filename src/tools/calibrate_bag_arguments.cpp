@@ -6,6 +6,7 @@
 
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/tools/calibration_file.h"
+#include "camera_self_calibration/tools/trajectory_results.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -38,6 +39,15 @@ po::options_description description(CalibrateBagArguments* arguments) {
     ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video [Hz]")
     ("start", po::value(&source.start_seconds), "skip this much of the beginning [s]")
     ("duration", po::value(&source.duration_seconds), "stop after this much [s]")
+    ("report", po::bool_switch(&arguments->report),
+     "write report.html, one page with everything, into the folder of --out")
+    ("batch", po::bool_switch(&arguments->extras.batch),
+     "solve the whole trajectory too, at intervals, and queues of 5, 10, 15 and 20 segments; "
+     "figures into the folder of --out")
+    ("reference-calibration", po::value<std::string>(),
+     "a known calibration (file as --initial): run a second time with it held and compare")
+    ("ground-truth", po::value<std::string>(),
+     "poses of the camera (TUM format: t tx ty tz qx qy qz qw): report ATE and RPE")
     ("max-features", po::value(&options.tracker.max_features)->default_value(
          options.tracker.max_features), "features tracked")
     ("sliding-window-keyframes", po::value(&options.sliding_window_keyframes)->default_value(
@@ -108,6 +118,19 @@ void checkOptions(const Options& options) {
   throw std::runtime_error(text);
 }
 
+void readComparisons(const po::variables_map& given, CalibrateBagArguments* arguments) {
+  if (given.count("reference-calibration") > 0) {
+    arguments->extras.reference =
+        readCalibrationFile(given["reference-calibration"].as<std::string>());
+  }
+  if (given.count("ground-truth") > 0) {
+    arguments->ground_truth = readGroundTruth(given["ground-truth"].as<std::string>());
+  }
+  if (arguments->report && arguments->out.empty()) {
+    throw std::runtime_error("--report needs a folder to write to: give --out DIR");
+  }
+}
+
 }  // namespace
 
 std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const char* const* argv) {
@@ -135,6 +158,7 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
   if (given.count("initial") > 0) {
     setInitial(given["initial"].as<std::string>(), model_given, &arguments.options);
   }
+  readComparisons(given, &arguments);
   checkOptions(arguments.options);
   return arguments;
 }

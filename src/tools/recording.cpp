@@ -144,30 +144,31 @@ void writeCalibrations(const fs::path& folder, const std::string& topic,
 
 }  // namespace
 
-std::string summaryJson(const Recording& recording) {
+std::string summaryJson(const Recording& recording, const std::vector<json::Member>& extra) {
   const CalibrationReport& report = recording.final_report;
   const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
   const auto count = [](auto n) { return json::number(static_cast<std::int64_t>(n)); };
-  return json::object(
-             {{"state", json::string(toString(report.state))},
-              {"sentence", json::string(report.sentence)},
-              {"hint", json::string(report.hint)},
-              {"camera", cameraJson(report)},
-              {"pixel_uncertainty", json::object({{"rms", json::number(report.uncertainty.rms)},
-                                                  {"max", json::number(report.uncertainty.max)}})},
-              {"frames", count(recording.frames)},
-              {"keyframes", count(recording.keyframes)},
-              {"processing_seconds", json::number(recording.processing_seconds)},
-              {"frames_per_second", json::number(rate)},
-              {"queue", json::object({{"segments", count(report.queue.segments.size())},
-                                      {"swaps", count(report.queue.swaps)}})},
-              {"models", modelsJson(report.models)},
-              {"events", eventsJson(recording.events)}}) +
-         "\n";
+  std::vector<json::Member> members = {
+      {"state", json::string(toString(report.state))},
+      {"sentence", json::string(report.sentence)},
+      {"hint", json::string(report.hint)},
+      {"camera", cameraJson(report)},
+      {"pixel_uncertainty", json::object({{"rms", json::number(report.uncertainty.rms)},
+                                          {"max", json::number(report.uncertainty.max)}})},
+      {"frames", count(recording.frames)},
+      {"keyframes", count(recording.keyframes)},
+      {"processing_seconds", json::number(recording.processing_seconds)},
+      {"frames_per_second", json::number(rate)},
+      {"queue", json::object({{"segments", count(report.queue.segments.size())},
+                              {"swaps", count(report.queue.swaps)}})},
+      {"models", modelsJson(report.models)},
+      {"events", eventsJson(recording.events)}};
+  members.insert(members.end(), extra.begin(), extra.end());
+  return json::object(members) + "\n";
 }
 
-void writeRecording(const std::string& folder, const std::string& topic,
-                    const Recording& recording) {
+void writeRecording(const std::string& folder, const std::string& topic, const Recording& recording,
+                    const std::vector<json::Member>& extra) {
   const fs::path path(folder);
   writeFile(path / "trajectory.tum",
             [&](std::ostream& file) { writeTrajectory(recording, false, file); });
@@ -179,7 +180,8 @@ void writeRecording(const std::string& folder, const std::string& topic,
       writeCsvRow(report, recording.final_report.camera.model(), file);
   });
   writeCalibrations(path, topic, recording.final_report);
-  writeFile(path / "summary.json", [&](std::ostream& file) { file << summaryJson(recording); });
+  writeFile(path / "summary.json",
+            [&](std::ostream& file) { file << summaryJson(recording, extra); });
 }
 
 }  // namespace camera_self_calibration

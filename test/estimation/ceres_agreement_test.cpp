@@ -13,6 +13,11 @@
 namespace camera_self_calibration {
 namespace {
 
+double scaledDifference(const IntrinsicsMatrix& a, const IntrinsicsMatrix& b) {
+  const Eigen::VectorXd scale = b.diagonal().cwiseSqrt().cwiseInverse();
+  return (scale.asDiagonal() * (a - b) * scale.asDiagonal()).cwiseAbs().maxCoeff();
+}
+
 // One joint problem, solved by this package and by Ceres from the same start.
 class Agreement {
  public:
@@ -69,6 +74,21 @@ class Agreement {
     return covariance.value_or(IntrinsicsMatrix());
   }
 
+  // At our state: the sparse marginal of whole trajectories against that of nested elimination.
+  void expectSameMarginal(double huber) {
+    theirs_ = ours_;
+    BatchOptions options;
+    options.huber = huber;
+    const auto theirs = batchMarginal(batch_, our_camera_, options);
+    ASSERT_TRUE(theirs);
+    const Marginal ours = marginalize({&our_camera_, true, blocks_}, huber);
+    EXPECT_EQ(theirs->observations, ours.observations);
+    EXPECT_EQ(theirs->variables, ours.variables);
+    EXPECT_NEAR(theirs->cost, ours.cost, 1e-8 * ours.cost);
+    EXPECT_LT(scaledDifference(theirs->information, ours.information), 1e-6);
+    EXPECT_LT(scaledDifference(theirs->track_scores, ours.track_scores), 1e-4);
+  }
+
   void expectSameEstimate(const IntrinsicsMatrix& covariance) const {
     const Eigen::VectorXd sigmas = covariance.diagonal().cwiseSqrt();
     const Eigen::VectorXd difference = our_camera_.parameters() - their_camera_.parameters();
@@ -84,11 +104,6 @@ class Agreement {
   std::vector<BatchSegment> batch_;
 };
 
-double scaledDifference(const IntrinsicsMatrix& a, const IntrinsicsMatrix& b) {
-  const Eigen::VectorXd scale = b.diagonal().cwiseSqrt().cwiseInverse();
-  return (scale.asDiagonal() * (a - b) * scale.asDiagonal()).cwiseAbs().maxCoeff();
-}
-
 void expectAgreement(const Camera& truth, int segments, double outlier_share, double huber) {
   Agreement agreement(truth, segments, outlier_share);
   agreement.solveBoth(huber);
@@ -97,6 +112,7 @@ void expectAgreement(const Camera& truth, int segments, double outlier_share, do
   agreement.expectSameEstimate(theirs);
   std::cout << ", covariances by " << scaledDifference(ours, theirs) << "\n";
   EXPECT_LT(scaledDifference(ours, theirs), 1e-6);
+  agreement.expectSameMarginal(huber);
 }
 
 TEST(CeresAgreement, OneSegmentLeastSquares) {

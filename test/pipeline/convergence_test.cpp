@@ -58,6 +58,24 @@ TEST(Convergence, WithOutliers) {
   EXPECT_LT(worstSigmas(calibration.report(), truth), 3.5);
 }
 
+TEST(Convergence, GivenIntrinsicsAreHeldIfAskedFor) {
+  const Camera truth = ordinaryCameras()[1];
+  Options options = optionsFor(truth.model());
+  options.initial_camera = truth;
+  options.fix_intrinsics = true;
+  TrackRun held(truth, options, TrackRunOptions());
+  held.run(150);
+  EXPECT_TRUE(held.report().camera.parameters() == truth.parameters());
+  EXPECT_EQ(held.report().state, CalibrationState::kConverged);
+  EXPECT_EQ(held.report().uncertainty.rms, 0.0);
+  EXPECT_TRUE(held.record.events.empty());
+  std::size_t tracked = 0;
+  for (const FrameResult& frame : held.record.frames) {
+    tracked += frame.state == TrackingState::kTracking;
+  }
+  EXPECT_GE(tracked, 148u);
+}
+
 TEST(Convergence, PosesFollowTheTruth) {
   const Camera truth = ordinaryCameras()[1];
   TrackRun calibration(truth, optionsFor(truth.model()), TrackRunOptions());

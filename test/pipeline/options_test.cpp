@@ -42,6 +42,7 @@ TEST(Options, EachViolationIsNamed) {
   expectNamed("handover_entropy", [](Options* o) { o->handover_entropy = NAN; });
   expectNamed("solver_threads", [](Options* o) { o->solver_threads = 0; });
   expectNamed("max_queued_images", [](Options* o) { o->max_queued_images = 0; });
+  expectNamed("fix_intrinsics", [](Options* o) { o->fix_intrinsics = true; });  // which?
   const Camera pinhole = camera640(CameraModel::kPinhole, {300, 300, 320, 240});
   expectNamed("initial_camera", [&](Options* o) { o->initial_camera = pinhole; });  // not a fov
   expectNamed("initial_camera", [](Options* o) {

@@ -9,9 +9,11 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "camera_self_calibration/simulation/sequence_writer.h"
+#include "camera_self_calibration/simulation/tum_file.h"
 #include "tools/small_sequence.h"
 #include "tools/temporary_folder.h"
 
@@ -161,6 +163,84 @@ TEST(CalibrateBag, OptionsOfTheMethodReachIt) {
             std::string::npos);
 }
 
+/// The converged run once more, with all that it can be compared with.
+struct ComparedRun {
+  TemporaryFolder folder;
+  Outcome outcome;
+
+  ComparedRun() {
+    const SimulatedSequence sequence(converged().truth);
+    std::vector<StampedPose> poses;
+    for (int i = 0; i < sequence.size(); ++i) {
+      poses.push_back(
+          {1e-9 * static_cast<double>(sequence.stampNs(i)), sequence.worldFromCamera(i)});
+    }
+    writeTum(folder / "truth.tum", poses);
+    writeTruth(folder / "truth.yaml", converged().truth.lens);
+    outcome = calibrateBag((converged().folder / "room.bag") + " --out " + (folder / "out") +
+                           " --batch --report --reference-calibration " + (folder / "truth.yaml") +
+                           " --ground-truth " + (folder / "truth.tum"));
+  }
+  YAML::Node summary() const { return YAML::LoadFile(folder / "out/summary.json"); }
+};
+
+const ComparedRun& compared() {
+  static const ComparedRun run;
+  return run;
+}
+
+TEST(CalibrateBag, TheBatchOfTheWholeTrajectoryAgrees) {
+  ASSERT_EQ(compared().outcome.exit_code, 0) << compared().outcome.output;
+  EXPECT_TRUE(mentions(compared().outcome, "whole-trajectory batch"));
+  const YAML::Node summary = compared().summary();
+  const YAML::Node batch = summary["batch"];
+  ASSERT_TRUE(batch.IsMap());
+  EXPECT_EQ(batch["keyframes"].as<int>(), summary["keyframes"].as<int>());
+  EXPECT_LT(batch["distance_px_rms"].as<double>(),
+            3.0 * summary["pixel_uncertainty"]["rms"].as<double>());
+  const Camera& truth = converged().truth.lens.camera;
+  Eigen::Index i = 0;
+  for (const std::string& name : truth.parameterNames()) {
+    const auto sigma = batch["sigma"][name].as<double>();
+    EXPECT_LT(sigma, summary["camera"]["sigma"][name].as<double>()) << name;
+    EXPECT_NEAR(batch["params"][name].as<double>(), truth.parameters()[i++], 4.0 * sigma) << name;
+  }
+  for (const char* figure :
+       {"fig4_parameters.png", "fig5_focal_length.png", "fig7_queue_sizes.png"}) {
+    const cv::Mat image = cv::imread(compared().folder / ("out/" + std::string(figure)));
+    EXPECT_GT(image.cols, 1000) << figure;
+  }
+}
+
+TEST(CalibrateBag, TheTrajectoryIsComparedWithTheReferenceAndTheTruth) {
+  const YAML::Node trajectory = compared().summary()["trajectory"];
+  EXPECT_LT(trajectory["reference_after_handover"]["share_of_way"].as<double>(), 0.01);
+  EXPECT_GT(trajectory["reference_until_handover"]["poses"].as<int>(), 20);
+  const YAML::Node truth = trajectory["ground_truth_after_handover"];
+  EXPECT_GT(truth["travelled"].as<double>(), 2.0);
+  EXPECT_LT(truth["ate_rms"].as<double>(), 0.01 * truth["travelled"].as<double>());
+  EXPECT_LT(truth["rpe_rotation_deg_rms"].as<double>(), 0.5);
+  EXPECT_TRUE(mentions(compared().outcome, "ATE"));
+}
+
+TEST(CalibrateBag, TheReportStandsByItself) {
+  const std::string page = contents(compared().folder / "out/report.html");
+  EXPECT_GT(page.size(), 200000u);
+  for (const char* part : {"CONVERGED", "Parameters", "Where the calibration can be trusted",
+                           "Convergence", "What taught what", "Residuals", "Trajectory",
+                           "Against the reference calibration", "Events"}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  }
+  EXPECT_EQ(page.find("http"), std::string::npos) << "nothing is fetched";
+  EXPECT_EQ(page.find("<script"), std::string::npos);
+  std::size_t pictures = 0;
+  for (std::size_t at = page.find("<img"); at != std::string::npos;
+       at = page.find("<img", at + 1)) {
+    ++pictures;
+  }
+  EXPECT_GE(pictures, 8u);
+}
+
 TEST(CalibrateBag, AStillCameraDoesNotConverge) {
   const TemporaryFolder folder;
   writeSequence(SimulatedSequence(smallSequence(MotionKind::kStill, 2.0)), folder / "images",
@@ -168,7 +248,7 @@ TEST(CalibrateBag, AStillCameraDoesNotConverge) {
   std::filesystem::create_directory(folder / "out");
   std::ofstream(folder / "out/calibration.yaml") << "from an earlier run";
   const Outcome outcome =
-      calibrateBag((folder / "images") + " --rate 20 --out " + (folder / "out"));
+      calibrateBag((folder / "images") + " --rate 20 --batch --report --out " + (folder / "out"));
   EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
   const YAML::Node summary = YAML::LoadFile(folder / "out/summary.json");
   EXPECT_EQ(summary["state"].as<std::string>(), "WAITING_FOR_MOTION");
@@ -177,6 +257,8 @@ TEST(CalibrateBag, AStillCameraDoesNotConverge) {
   EXPECT_EQ(summary["frames"].as<int>(), 41);
   EXPECT_FALSE(std::filesystem::exists(folder / "out/calibration.yaml"))
       << "an older file must not pass for the result";
+  EXPECT_TRUE(summary["batch"].IsNull());
+  EXPECT_NE(contents(folder / "out/report.html").find("WAITING_FOR_MOTION"), std::string::npos);
 }
 
 TEST(CalibrateBag, NoImagesIsACodeOfItsOwn) {
@@ -205,7 +287,11 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder.string() + " --alpha 2 --queue-segments 0", "queue_segments"},
       {folder.string() + " --initial " + (folder / "missing.yaml"), "cannot be opened"},
       {folder.string() + " --speed 3", "--speed"},
-      {folder.string() + " --rate -3", "--rate"}};
+      {folder.string() + " --rate -3", "--rate"},
+      {folder.string() + " --report", "--out"},
+      {folder.string() + " --ground-truth " + (folder / "missing.tum"), "missing.tum"},
+      {folder.string() + " --reference-calibration " + (folder / "missing.yaml"),
+       "cannot be opened"}};
   for (const auto& [arguments, words] : cases) {
     const Outcome outcome = calibrateBag(arguments);
     EXPECT_EQ(outcome.exit_code, 1) << arguments;

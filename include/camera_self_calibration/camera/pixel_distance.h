@@ -1,5 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <vector>
+
 #include "camera_self_calibration/camera/camera.h"
 
 namespace camera_self_calibration {
@@ -16,6 +19,16 @@ struct PixelError {
 /// `A' = A - B (sum B^T B)^-1 sum B^T A`, per grid point `A' C A'^T`, rms = sqrt(mean trace),
 /// max = sqrt(max trace). Infinite where the covariance is not finite.
 PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance);
+
+/// A pixel and the expected error (1 sigma, both axes together) of a projection there [px].
+struct UncertainPixel {
+  Eigen::Vector2d pixel;
+  double sigma = 0.0;
+};
+
+/// What pixelUncertainty() sums up, point by point of its grid; empty where that is infinite.
+std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
+                                                 const IntrinsicsMatrix& covariance);
 
 /// Distance between two calibrations of one image size, whatever their models: the pixels of `a`'s
 /// grid, their rays, projected by `b` after the camera rotation that fits best. Infinite where no

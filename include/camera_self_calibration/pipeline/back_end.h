@@ -58,6 +58,7 @@ class BackEnd {
   const std::vector<Candidate>& candidates() const { return estimate_.candidates(); }
 
  private:
+  void reportHeldIntrinsics();
   void runStartup(const KeyframeMessage& message);
   void considerModel(const KeyframeMessage& message);
   void switchModel(const Camera& camera, const std::vector<Segment>& observed);

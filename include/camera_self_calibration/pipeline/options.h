@@ -19,6 +19,8 @@ struct Options {
   bool choose_model = false;
   /// Start values of the intrinsics; none: Camera::defaultGuess of the first image's size.
   std::optional<Camera> initial_camera;
+  /// Takes initial_camera as exact: poses only, nothing is calibrated.
+  bool fix_intrinsics = false;
 
   TrackerOptions tracker;
   KeyframeOptions keyframe;

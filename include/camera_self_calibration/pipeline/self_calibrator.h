@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
@@ -17,6 +18,9 @@ struct Callbacks {
   std::function<void(const FrameResult&)> frame;              ///< Each image processed.
   std::function<void(const CalibrationReport&)> calibration;  ///< Each keyframe processed.
   std::function<void(const Event&)> event;
+  /// What each keyframe brings to the back end, before it is processed there: the newest window with
+  /// its tracks. For whole-trajectory solutions and other observers.
+  std::function<void(const KeyframeMessage&)> keyframe;
 };
 
 /// Images in, trajectory and intrinsics out: the whole system of fig. 3, without ROS.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/map/segment.h"
 
 namespace camera_self_calibration {
@@ -21,6 +22,9 @@ struct BatchSegment {
 struct BatchOptions {
   double huber = 0.0;  ///< Threshold on the norm of the whitened residual; 0: plain least squares.
   int max_iterations = 200;
+  /// Ends when a step lowers the cost by less than this share of it: an oracle goes down to
+  /// rounding.
+  double tolerance = 1e-15;
   int threads = 1;
   bool estimate_intrinsics = true;  ///< False: the camera stays as it is.
   /// For some dozen keyframes a dense Schur complement is the faster one; for long trajectories a
@@ -51,5 +55,14 @@ BatchSummary solveBatch(const std::vector<BatchSegment>& segments, Camera* camer
 /// which Huber's nowhere is. Nothing where the problem is rank deficient or malformed.
 std::optional<IntrinsicsMatrix> batchCovariance(const std::vector<BatchSegment>& segments,
                                                 const Camera& camera, const BatchOptions& options);
+
+/// The same marginal with the scores of the tracks, for a covariance that allows for errors that
+/// are correlated along a track (Marginal::robustCovariance). With `H = J^T J`, the columns Y of
+/// `H^-1` that belong to the intrinsics and r the residuals, a track's share of the intrinsics'
+/// error is `psi = sum Y^T J^T r` over its observations, and the scores are `I (sum psi psi^T) I`,
+/// I the information. Sparse, so that it serves thousands of keyframes. Landmarks of different
+/// segments count as different tracks. Nothing where the problem is rank deficient or malformed.
+std::optional<Marginal> batchMarginal(const std::vector<BatchSegment>& segments,
+                                      const Camera& camera, const BatchOptions& options);
 
 }  // namespace camera_self_calibration

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "camera_self_calibration/pipeline/options.h"
@@ -8,10 +9,17 @@
 
 namespace camera_self_calibration {
 
+/// What to do beside the calibration itself, on the same images.
+struct CalibrateExtras {
+  std::optional<Camera> reference;  ///< Held in a second run, whose poses are recorded.
+  bool batch = false;               ///< Whole-trajectory batch at intervals, queues of other sizes.
+};
+
 /// Runs the inline pipeline over a sequence, with progress on a terminal. Images that
 /// InputMonitor rejects are left out with a warning on standard error. Throws std::runtime_error if
 /// images are there and none can be used, or the start values are for another image size, and
 /// std::invalid_argument on bad options.
-Recording calibrate(ImageSource* source, const Options& options);
+Recording calibrate(ImageSource* source, const Options& options,
+                    const CalibrateExtras& extras = {});
 
 }  // namespace camera_self_calibration

@@ -2,8 +2,11 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "camera_self_calibration/pipeline/options.h"
+#include "camera_self_calibration/reference/trajectory_comparison.h"
+#include "camera_self_calibration/tools/calibrate.h"
 #include "camera_self_calibration/tools/image_source.h"
 
 namespace camera_self_calibration {
@@ -13,6 +16,9 @@ struct CalibrateBagArguments {
   SourceOptions source;
   Options options;
   std::string out;  ///< Folder for the results; empty: none are written.
+  CalibrateExtras extras;
+  std::vector<StampedCameraPose> ground_truth;  ///< Empty: none was given.
+  bool report = false;                          ///< report.html goes into the folder.
 };
 
 /// Nothing if only help was asked for, which is printed. Throws std::runtime_error on wrong

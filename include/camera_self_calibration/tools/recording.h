@@ -1,19 +1,22 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/reference/trajectory_comparison.h"
+#include "camera_self_calibration/tools/batch_comparison.h"
 
 namespace camera_self_calibration {
 
 /// A pose of the trajectory.
-struct TimedPose {
-  std::int64_t stamp_ns = 0;
-  std::uint64_t map_id = 0;
+struct TimedPose : StampedCameraPose {
   bool is_keyframe = false;
-  Rigid3 world_from_camera;
 };
 
 /// What a run over stored images leaves behind.
@@ -25,15 +28,23 @@ struct Recording {
   std::vector<CalibrationReport> reports;  ///< One for each keyframe.
   std::vector<Event> events;
   CalibrationReport final_report;  ///< After the last image.
+  /// The queue at the end, which the final report rests on; null before hand-over.
+  std::shared_ptr<const LearntState> learnt;
+
+  std::optional<Camera> reference;         ///< A calibration to compare with, if given.
+  std::vector<TimedPose> reference_poses;  ///< Of a second run that held it.
+  BatchComparison batch;                   ///< Empty if not asked for.
 };
 
-/// The text of summary.json.
-std::string summaryJson(const Recording& recording);
+/// The text of summary.json. `extra` members come last.
+std::string summaryJson(const Recording& recording,
+                        const std::vector<std::pair<std::string, std::string>>& extra = {});
 
-/// Writes the files of calibrate_bag into an existing folder: summary.json, trajectory.tum,
+/// Writes the files of calibrate_bag into an existing folder: summary.json (with the `extra`
+/// members), trajectory.tum,
 /// keyframes.tum, convergence.csv, and, if CONVERGED, calibration.yaml and camchain.yaml (those of
 /// an earlier run are removed if not). Throws std::runtime_error if a file cannot be written.
-void writeRecording(const std::string& folder, const std::string& topic,
-                    const Recording& recording);
+void writeRecording(const std::string& folder, const std::string& topic, const Recording& recording,
+                    const std::vector<std::pair<std::string, std::string>>& extra = {});
 
 }  // namespace camera_self_calibration

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <opencv2/core/mat.hpp>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/plotting/palette.h"
+
+namespace camera_self_calibration {
+
+/// A way seen from above.
+struct PlanePath {
+  std::string name;  ///< In the legend; empty: not there.
+  Colour colour;
+  double width = 1.2;                   ///< Of the line [px].
+  std::vector<Eigen::Vector2d> points;  ///< One that is not finite interrupts the line.
+};
+
+/// The paths in one frame, with equal scales on both axes; the first path's ends are marked. BGR, 8
+/// bits; `fine`: twice as many pixels.
+cv::Mat drawPaths(const std::vector<PlanePath>& paths, const std::string& title,
+                  const std::string& unit, int width, int height, bool fine = false);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <vector>
+
+#include "camera_self_calibration/map/segment.h"
+
+namespace camera_self_calibration {
+
+/// The keyframes, landmarks and observations of a whole run, put together from the windows that
+/// were offered to the queue: the same tracks, with the tracker's own sigmas. A window that has no
+/// keyframe in common with what came before begins a new stretch, in a frame and scale of its own.
+class WholeTrajectory {
+ public:
+  /// Adds what a window (its keyframes' ids grow along the run) has beyond the windows before.
+  void add(const Segment& window);
+
+  /// One segment a stretch.
+  std::vector<Segment> stretches() const;
+
+  /// Takes over poses, bearings and depths of solved stretches; landmarks that are missing in them
+  /// keep what they had.
+  void update(const std::vector<Segment>& solved);
+
+  int keyframes() const { return keyframes_; }
+
+ private:
+  struct Stretch {
+    Segment segment;                                     // without observations
+    std::vector<std::vector<Observation>> observations;  // by landmark
+    std::map<std::int64_t, int> keyframe_index;          // by id
+    std::map<std::int64_t, int> landmark_index;          // by track id
+  };
+
+  static double scaleOf(const Stretch& stretch, const Segment& window);
+  static void addKeyframes(const Segment& window, double scale, Stretch* stretch);
+
+  int keyframes_ = 0;
+  std::deque<Stretch> stretches_;
+};
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/pipeline/back_end.h"
+#include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/reference/trajectory_batch.h"
+
+namespace camera_self_calibration {
+
+/// What a queue of another size makes of the same keyframes.
+struct QueueSizeRun {
+  int segments = 0;
+  std::vector<CalibrationReport> reports;  ///< One a keyframe.
+};
+
+/// A run beside its whole-trajectory batch (section III).
+struct BatchComparison {
+  std::vector<BatchEstimate> batch;  ///< At intervals, the last one over all keyframes.
+  std::vector<QueueSizeRun> sizes;
+};
+
+/// Watches a run: solves the whole trajectory at intervals that grow with its length, and runs
+/// further back ends, with queues of 5, 10, 15 and 20 segments, on the same keyframes.
+class BatchComparer {
+ public:
+  explicit BatchComparer(const Options& options) : options_(options) {}
+
+  /// A keyframe on its way to the back end; `first` is the camera that the run started from.
+  void add(const KeyframeMessage& message, const Camera& first);
+
+  /// The run's own report on the same keyframe.
+  void add(const CalibrationReport& report);
+
+  /// Solves once more if keyframes came since the last solution.
+  BatchComparison finish();
+
+ private:
+  struct OtherSize {
+    std::unique_ptr<BackEnd> back_end;
+    QueueSizeRun run;
+  };
+
+  void startOthers(const Camera& first);
+  void solve();
+
+  Options options_;
+  TrajectoryBatch trajectory_;
+  int solved_ = 0;  // keyframes in the trajectory at the last solution
+  CalibrationReport newest_;
+  BatchComparison result_;
+  std::vector<OtherSize> others_;
+};
+
+/// Queue against batch in a table: parameter, both estimates with sigma, and their difference over
+/// sqrt(diag(C_queue - C_batch)), which an efficient estimator's differences have as their sigma.
+/// Empty without a batch estimate of as many parameters.
+std::string batchText(const CalibrationReport& queue, const BatchComparison& comparison);
+
+/// JSON for summary.json; "null" where batchText is empty.
+std::string batchJson(const CalibrationReport& queue, const BatchComparison& comparison);
+
+/// Writes fig4_parameters.png (every parameter with 3-sigma bounds for queue and batch, and the
+/// determinant), fig5_focal_length.png and fig7_queue_sizes.png into a folder: the paper's figures
+/// for this run. A `reference` of the same model is drawn as a line. Throws std::runtime_error if a
+/// file cannot be written.
+void writeBatchFigures(const std::string& folder, const std::vector<CalibrationReport>& reports,
+                       const BatchComparison& comparison, const std::optional<Camera>& reference);
+
+}  // namespace camera_self_calibration

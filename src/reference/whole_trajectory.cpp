@@ -1,0 +1,107 @@
+#include "camera_self_calibration/reference/whole_trajectory.h"
+
+#include <algorithm>
+
+namespace camera_self_calibration {
+
+// Map units of the stretch per unit of the window, from the length of the way along the keyframes
+// that both know; 1 where they have not moved.
+double WholeTrajectory::scaleOf(const Stretch& stretch, const Segment& window) {
+  double stretch_way = 0.0;
+  double window_way = 0.0;
+  for (std::size_t k = 1; k < window.keyframes.size(); ++k) {
+    const auto a = stretch.keyframe_index.find(window.keyframes[k - 1].id);
+    const auto b = stretch.keyframe_index.find(window.keyframes[k].id);
+    if (a == stretch.keyframe_index.end() || b == stretch.keyframe_index.end()) continue;
+    const auto step = [](const Keyframe& from, const Keyframe& to) {
+      return (to.world_from_camera.translation - from.world_from_camera.translation).norm();
+    };
+    stretch_way += step(stretch.segment.keyframes[a->second], stretch.segment.keyframes[b->second]);
+    window_way += step(window.keyframes[k - 1], window.keyframes[k]);
+  }
+  return stretch_way > 0.0 && window_way > 0.0 ? stretch_way / window_way : 1.0;
+}
+
+// Each new keyframe goes where it stands relative to the one before it in the window.
+void WholeTrajectory::addKeyframes(const Segment& window, double scale, Stretch* stretch) {
+  for (std::size_t k = 0; k < window.keyframes.size(); ++k) {
+    Keyframe keyframe = window.keyframes[k];
+    if (stretch->keyframe_index.count(keyframe.id) > 0) continue;
+    if (k > 0) {
+      const Keyframe& before = window.keyframes[k - 1];
+      Rigid3 before_from_camera = before.world_from_camera.inverse() * keyframe.world_from_camera;
+      before_from_camera.translation *= scale;
+      const int index = stretch->keyframe_index.at(before.id);
+      keyframe.world_from_camera =
+          stretch->segment.keyframes[index].world_from_camera * before_from_camera;
+    }
+    stretch->keyframe_index[keyframe.id] = static_cast<int>(stretch->segment.keyframes.size());
+    stretch->segment.keyframes.push_back(keyframe);
+  }
+}
+
+void WholeTrajectory::add(const Segment& window) {
+  if (window.keyframes.empty()) return;
+  const auto known = [&](const Keyframe& keyframe) {
+    return !stretches_.empty() && stretches_.back().keyframe_index.count(keyframe.id) > 0;
+  };
+  if (std::none_of(window.keyframes.begin(), window.keyframes.end(), known)) {
+    stretches_.emplace_back();
+  }
+  Stretch& stretch = stretches_.back();
+  const double scale = scaleOf(stretch, window);
+  const auto first_new = static_cast<int>(stretch.segment.keyframes.size());
+  addKeyframes(window, scale, &stretch);
+  keyframes_ += static_cast<int>(stretch.segment.keyframes.size()) - first_new;
+
+  std::vector<char> is_new(window.landmarks.size(), 0);
+  for (std::size_t l = 0; l < window.landmarks.size(); ++l) {
+    Landmark landmark = window.landmarks[l];
+    const int index = static_cast<int>(stretch.segment.landmarks.size());
+    is_new[l] = stretch.landmark_index.try_emplace(landmark.track_id, index).second ? 1 : 0;
+    if (is_new[l] == 0) continue;
+    landmark.reference = stretch.keyframe_index.at(window.keyframes[landmark.reference].id);
+    landmark.inverse_depth /= scale;
+    stretch.segment.landmarks.push_back(landmark);
+    stretch.observations.emplace_back();
+  }
+  for (Observation seen : window.observations) {
+    const int keyframe = stretch.keyframe_index.at(window.keyframes[seen.keyframe].id);
+    if (is_new[seen.landmark] == 0 && keyframe < first_new) continue;  // known already
+    const int index = stretch.landmark_index.at(window.landmarks[seen.landmark].track_id);
+    seen.landmark = index;
+    seen.keyframe = keyframe;
+    stretch.observations[index].push_back(seen);
+  }
+}
+
+std::vector<Segment> WholeTrajectory::stretches() const {
+  std::vector<Segment> segments;
+  for (const Stretch& stretch : stretches_) {
+    segments.push_back(stretch.segment);
+    for (const std::vector<Observation>& seen : stretch.observations) {
+      segments.back().observations.insert(segments.back().observations.end(), seen.begin(),
+                                          seen.end());
+    }
+  }
+  return segments;
+}
+
+void WholeTrajectory::update(const std::vector<Segment>& solved) {
+  for (std::size_t s = 0; s < std::min(solved.size(), stretches_.size()); ++s) {
+    Stretch& stretch = stretches_[s];
+    for (const Keyframe& keyframe : solved[s].keyframes) {
+      const auto found = stretch.keyframe_index.find(keyframe.id);
+      if (found == stretch.keyframe_index.end()) continue;
+      stretch.segment.keyframes[found->second].world_from_camera = keyframe.world_from_camera;
+    }
+    for (const Landmark& landmark : solved[s].landmarks) {
+      const auto found = stretch.landmark_index.find(landmark.track_id);
+      if (found != stretch.landmark_index.end()) {
+        stretch.segment.landmarks[found->second] = landmark;
+      }
+    }
+  }
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,128 @@
+#include "camera_self_calibration/tools/batch_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
+
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/tools/json.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr int kSizes[] = {5, 10, 15, 20};
+// Solved again after so many keyframes, or after this share of those before.
+constexpr int kInterval = 20;
+constexpr double kGrowth = 0.25;
+
+const BatchEstimate* comparable(const CalibrationReport& queue, const BatchComparison& comparison) {
+  if (comparison.batch.empty() || queue.covariance.size() == 0) return nullptr;
+  const BatchEstimate& batch = comparison.batch.back();
+  const bool same = batch.covariance.rows() == queue.covariance.rows() &&
+                    batch.camera.model() == queue.camera.model();
+  return same ? &batch : nullptr;
+}
+
+/// Difference over sqrt(C_queue - C_batch); infinite where the batch is said to be the worse one.
+double efficientDifference(const CalibrationReport& queue, const BatchEstimate& batch,
+                           Eigen::Index i) {
+  const double difference = queue.camera.parameters()(i) - batch.camera.parameters()(i);
+  const double variance = queue.covariance(i, i) - batch.covariance(i, i);
+  return difference / std::sqrt(std::max(0.0, variance));
+}
+
+}  // namespace
+
+void BatchComparer::startOthers(const Camera& first) {
+  for (const int size : kSizes) {
+    OtherSize other;
+    other.run.segments = size;
+    if (size != options_.queue_segments) {
+      Options options = options_;
+      options.queue_segments = size;
+      other.back_end = std::make_unique<BackEnd>(options, first);
+    }
+    others_.push_back(std::move(other));
+  }
+}
+
+void BatchComparer::add(const KeyframeMessage& message, const Camera& first) {
+  if (others_.empty()) startOthers(first);
+  trajectory_.add(message.candidate);
+  for (OtherSize& other : others_) {
+    if (other.back_end) other.run.reports.push_back(other.back_end->process(message).report);
+  }
+}
+
+void BatchComparer::add(const CalibrationReport& report) {
+  // Another lens: what was seen through the old one does not belong to it.
+  if (report.epoch != newest_.epoch) trajectory_ = TrajectoryBatch();
+  newest_ = report;
+  for (OtherSize& other : others_) {
+    if (!other.back_end) other.run.reports.push_back(report);
+  }
+  const int interval = std::max(kInterval, static_cast<int>(kGrowth * solved_));
+  if (report.covariance.size() > 0 && std::abs(trajectory_.keyframes() - solved_) >= interval) {
+    solve();
+  }
+}
+
+void BatchComparer::solve() {
+  solved_ = trajectory_.keyframes();
+  BatchEstimate estimate = trajectory_.solve(newest_.camera, options_.solver_threads);
+  estimate.keyframes = static_cast<int>(newest_.keyframes);  // on the run's own count
+  result_.batch.push_back(estimate);
+}
+
+BatchComparison BatchComparer::finish() {
+  if (newest_.covariance.size() > 0 && trajectory_.keyframes() != solved_) solve();
+  result_.sizes.clear();
+  for (const OtherSize& other : others_) result_.sizes.push_back(other.run);
+  return result_;
+}
+
+std::string batchText(const CalibrationReport& queue, const BatchComparison& comparison) {
+  const BatchEstimate* batch = comparable(queue, comparison);
+  if (batch == nullptr) return {};
+  std::ostringstream text;
+  text << "whole-trajectory batch: " << batch->keyframes << " keyframes, " << batch->observations
+       << " observations" << (batch->converged ? "" : ", not converged") << '\n'
+       << std::fixed
+       << "  parameter |        queue |      sigma |        batch |      sigma | difference\n";
+  const std::vector<std::string> names = queue.camera.parameterNames();
+  for (Eigen::Index i = 0; i < queue.covariance.rows(); ++i) {
+    text << "  " << std::left << std::setw(9) << names[static_cast<std::size_t>(i)] << std::right
+         << std::setprecision(5) << " | " << std::setw(12) << queue.camera.parameters()(i) << " | "
+         << std::setw(10) << std::sqrt(queue.covariance(i, i)) << " | " << std::setw(12)
+         << batch->camera.parameters()(i) << " | " << std::setw(10)
+         << std::sqrt(batch->covariance(i, i)) << " | " << std::setprecision(2) << std::setw(5)
+         << efficientDifference(queue, *batch, i) << " sigma\n";
+  }
+  text << std::setprecision(3) << "  distance: " << pixelDistance(queue.camera, batch->camera).rms
+       << " px rms\n";
+  return text.str();
+}
+
+std::string batchJson(const CalibrationReport& queue, const BatchComparison& comparison) {
+  const BatchEstimate* batch = comparable(queue, comparison);
+  if (batch == nullptr) return "null";
+  std::vector<json::Member> parameters, sigmas, differences;
+  const std::vector<std::string> names = queue.camera.parameterNames();
+  for (Eigen::Index i = 0; i < queue.covariance.rows(); ++i) {
+    const std::string& name = names[static_cast<std::size_t>(i)];
+    parameters.emplace_back(name, json::number(batch->camera.parameters()(i)));
+    sigmas.emplace_back(name, json::number(std::sqrt(batch->covariance(i, i))));
+    differences.emplace_back(name, json::number(efficientDifference(queue, *batch, i)));
+  }
+  return json::object(
+      {{"keyframes", json::number(static_cast<std::int64_t>(batch->keyframes))},
+       {"observations", json::number(static_cast<std::int64_t>(batch->observations))},
+       {"params", json::object(parameters)},
+       {"sigma", json::object(sigmas)},
+       {"queue_minus_batch_sigmas", json::object(differences)},
+       {"pixel_uncertainty_rms", json::number(batch->uncertainty.rms)},
+       {"distance_px_rms", json::number(pixelDistance(queue.camera, batch->camera).rms)}});
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,206 @@
+#include "report_pictures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "camera_self_calibration/calibration/queue_residuals.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/plotting/histogram.h"
+#include "camera_self_calibration/plotting/image_map.h"
+#include "camera_self_calibration/plotting/trajectory_chart.h"
+#include "camera_self_calibration/reference/trajectory_comparison.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr int kMapWidth = 500;
+constexpr int kColumns = 16;  // of residual and coverage maps
+constexpr int kRows = 12;
+
+/// What falls into one cell of the image.
+struct Cell {
+  int count = 0;
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  double squares = 0.0;
+};
+
+std::vector<QueueResidual> residualsOf(const Recording& recording) {
+  if (!recording.learnt) return {};
+  return queueResiduals(recording.learnt->segments, recording.learnt->camera);
+}
+
+std::vector<Cell> cellsOf(const Recording& recording) {
+  const Camera& camera = recording.final_report.camera;
+  std::vector<Cell> cells(kColumns * kRows);
+  for (const QueueResidual& seen : residualsOf(recording)) {
+    const auto index = [](double position, int size, int count) {
+      return std::clamp(static_cast<int>((position + 0.5) / size * count), 0, count - 1);
+    };
+    Cell& cell =
+        cells[static_cast<std::size_t>(index(seen.pixel.y(), camera.height(), kRows) * kColumns +
+                                       index(seen.pixel.x(), camera.width(), kColumns))];
+    ++cell.count;
+    cell.sum += seen.residual;
+    cell.squares += seen.residual.squaredNorm();
+  }
+  return cells;
+}
+
+ImageMap mapOver(const Camera& camera, const std::string& title, const std::string& unit) {
+  ImageMap map;
+  map.title = title;
+  map.unit = unit;
+  map.image_width = camera.width();
+  map.image_height = camera.height();
+  return map;
+}
+
+Eigen::MatrixXd gridOf(const std::vector<Cell>& cells, double (*value)(const Cell&)) {
+  Eigen::MatrixXd grid(kRows, kColumns);
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = 0; c < kColumns; ++c) {
+      grid(r, c) = value(cells[static_cast<std::size_t>(r * kColumns + c)]);
+    }
+  }
+  return grid;
+}
+
+/// A power of ten, or 2 or 5 times one, that makes `longest` about `wanted` long.
+double roundScale(double longest, double wanted) {
+  if (!(longest > 0.0)) return 1.0;
+  const double raw = wanted / longest;
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  return power * (raw / power < 2.0 ? 1.0 : raw / power < 5.0 ? 2.0 : 5.0);
+}
+
+/// Right and forward of the first camera, made level: axes of a map seen from above.
+struct GroundPlane {
+  Eigen::Vector3d right = Eigen::Vector3d::UnitX();
+  Eigen::Vector3d forward = Eigen::Vector3d::UnitZ();
+
+  explicit GroundPlane(const std::vector<StampedCameraPose>& poses) {
+    Eigen::Vector3d down = Eigen::Vector3d::Zero();
+    for (const StampedCameraPose& pose : poses) {
+      down += pose.world_from_camera.rotation * Eigen::Vector3d::UnitY();
+    }
+    if (poses.empty() || !(down.norm() > 1e-6)) return;
+    down.normalize();
+    const Eigen::Vector3d ahead =
+        poses.front().world_from_camera.rotation * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d level = ahead - down * down.dot(ahead);
+    if (!(level.norm() > 1e-6)) return;
+    forward = level.normalized();
+    right = down.cross(forward);
+  }
+
+  Eigen::Vector2d operator()(const Eigen::Vector3d& point) const {
+    return {right.dot(point), forward.dot(point)};
+  }
+};
+
+PlanePath pathOf(const std::string& name, const Colour& colour,
+                 const std::vector<StampedCameraPose>& poses, const GroundPlane& plane) {
+  PlanePath path;
+  path.name = name;
+  path.colour = colour;
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    if (i > 0 && poses[i].map_id != poses[i - 1].map_id) path.points.emplace_back(kNone, kNone);
+    path.points.push_back(plane(poses[i].world_from_camera.translation));
+  }
+  return path;
+}
+
+}  // namespace
+
+cv::Mat drawUncertainty(const CalibrationReport& report) {
+  if (report.covariance.size() == 0) return {};
+  ImageMap map = mapOver(report.camera, "expected error of a projection (1 sigma)", "px");
+  map.values = Eigen::MatrixXd::Constant(30, 40, kNone);
+  for (const UncertainPixel& point : uncertaintyOverImage(report.camera, report.covariance)) {
+    const auto row = std::lround(point.pixel.y() / (report.camera.height() - 1) * 29.0);
+    const auto column = std::lround(point.pixel.x() / (report.camera.width() - 1) * 39.0);
+    map.values(std::clamp(row, 0L, 29L), std::clamp(column, 0L, 39L)) = point.sigma;
+  }
+  return drawImageMap(map, kMapWidth, true);
+}
+
+cv::Mat drawResidualMap(const Recording& recording) {
+  const Camera& camera = recording.final_report.camera;
+  const std::vector<Cell> cells = cellsOf(recording);
+  ImageMap map = mapOver(camera, "residuals: rms (colour) and mean (arrows)", "px");
+  map.values = gridOf(cells, [](const Cell& cell) {
+    return cell.count > 3 ? std::sqrt(cell.squares / cell.count) : kNone;
+  });
+  map.smooth = false;
+  double longest = 0.0;
+  for (int r = 0; r < kRows; ++r) {
+    for (int c = 0; c < kColumns; ++c) {
+      const Cell& cell = cells[static_cast<std::size_t>(r * kColumns + c)];
+      if (cell.count < 10) continue;
+      const Eigen::Vector2d centre((c + 0.5) / kColumns * camera.width() - 0.5,
+                                   (r + 0.5) / kRows * camera.height() - 0.5);
+      map.arrows.push_back({centre, cell.sum / cell.count});
+      longest = std::max(longest, map.arrows.back().offset.norm());
+    }
+  }
+  map.arrow_scale = roundScale(longest, 1.2 * camera.width() / kColumns);
+  return drawImageMap(map, kMapWidth, true);
+}
+
+cv::Mat drawCoverage(const Recording& recording) {
+  if (!recording.learnt) return {};
+  ImageMap map = mapOver(recording.final_report.camera, "observations in the queue", "a cell");
+  map.values = gridOf(cellsOf(recording), [](const Cell& cell) {
+    return cell.count > 0 ? static_cast<double>(cell.count) : kNone;
+  });
+  map.smooth = false;
+  return drawImageMap(map, kMapWidth, true);
+}
+
+cv::Mat drawResidualDistribution(const Recording& recording) {
+  std::vector<double> whitened;
+  double squares = 0.0;
+  for (const QueueResidual& seen : residualsOf(recording)) {
+    whitened.push_back(seen.residual.x() / seen.sigma);
+    whitened.push_back(seen.residual.y() / seen.sigma);
+    squares += seen.residual.squaredNorm();
+  }
+  if (whitened.empty()) return {};
+  char note[80];
+  std::snprintf(note, sizeof(note), "rms %.3f px an axis",
+                std::sqrt(squares / static_cast<double>(whitened.size())));
+  return drawResidualHistogram(whitened, note, kMapWidth, 330, true);
+}
+
+cv::Mat drawTrajectory(const Recording& recording,
+                       const std::vector<StampedCameraPose>& ground_truth) {
+  const std::vector<StampedCameraPose> own(recording.poses.begin(), recording.poses.end());
+  const std::vector<StampedCameraPose> held(recording.reference_poses.begin(),
+                                            recording.reference_poses.end());
+  if (own.empty()) return {};
+  const Colour blue(190, 100, 24), orange(20, 110, 226), black(60, 60, 60);
+  std::vector<PlanePath> paths;
+  std::string unit = "map units";
+  if (!ground_truth.empty()) {
+    const GroundPlane plane(alignedTo(ground_truth, own));
+    unit = "units of the ground truth";
+    paths = {pathOf("self-calibrating", blue, alignedTo(ground_truth, own), plane),
+             pathOf("reference calibration", orange, alignedTo(ground_truth, held), plane),
+             pathOf("ground truth", black, ground_truth, plane)};
+  } else if (!held.empty()) {
+    const GroundPlane plane(held);
+    paths = {pathOf("self-calibrating", blue, alignedTo(held, own), plane),
+             pathOf("reference calibration", orange, held, plane)};
+  } else {
+    paths = {pathOf("", blue, own, GroundPlane(own))};
+  }
+  paths.erase(std::remove_if(paths.begin(), paths.end(),
+                             [](const PlanePath& path) { return path.points.empty(); }),
+              paths.end());
+  return drawPaths(paths, "the camera's way from above", unit, 1000, 560, true);
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,106 @@
+#include "camera_self_calibration/tools/trajectory_results.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "camera_self_calibration/simulation/tum_file.h"
+#include "camera_self_calibration/tools/json.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr std::int64_t kEndOfTime = std::numeric_limits<std::int64_t>::max();
+
+std::vector<StampedCameraPose> posesOf(const std::vector<TimedPose>& timed) {
+  return {timed.begin(), timed.end()};
+}
+
+std::string shareText(const char* when, const std::optional<TrajectoryDifference>& difference) {
+  if (!difference) return {};
+  char text[200];
+  std::snprintf(text, sizeof(text),
+                "  %s: %.3f %% of the way apart from the run with the reference calibration "
+                "(mean over %d poses)\n",
+                when, 100.0 * difference->share(), difference->poses);
+  return text;
+}
+
+std::string truthText(const char* what, const std::optional<TrajectoryDifference>& difference) {
+  if (!difference) return {};
+  char text[200];
+  std::snprintf(text, sizeof(text),
+                "  %s: ATE %.4f, RPE %.4f and %.3f deg over %.0f s; %.1f travelled\n", what,
+                difference->rms, difference->relative_translation,
+                difference->relative_rotation_deg, difference->interval_s, difference->travelled);
+  return text;
+}
+
+std::string differenceJson(const std::optional<TrajectoryDifference>& difference) {
+  if (!difference) return "null";
+  return json::object({{"poses", json::number(static_cast<std::int64_t>(difference->poses))},
+                       {"travelled", json::number(difference->travelled)},
+                       {"scale", json::number(difference->scale)},
+                       {"mean", json::number(difference->mean)},
+                       {"ate_rms", json::number(difference->rms)},
+                       {"max", json::number(difference->max)},
+                       {"share_of_way", json::number(difference->share())},
+                       {"rpe_seconds", json::number(difference->interval_s)},
+                       {"rpe_translation_rms", json::number(difference->relative_translation)},
+                       {"rpe_rotation_deg_rms", json::number(difference->relative_rotation_deg)}});
+}
+
+}  // namespace
+
+TrajectoryResults compareTrajectories(const Recording& recording,
+                                      const std::vector<StampedCameraPose>& ground_truth) {
+  TrajectoryResults results;
+  for (const Event& event : recording.events) {
+    if (event.type == EventType::kHandover && !results.handover_ns) {
+      results.handover_ns = event.stamp_ns;
+    }
+  }
+  const std::vector<StampedCameraPose> own = posesOf(recording.poses);
+  const std::vector<StampedCameraPose> held = posesOf(recording.reference_poses);
+  const std::int64_t handover = results.handover_ns.value_or(kEndOfTime);
+  const auto later = between(own, handover, kEndOfTime);
+  results.startup = compareTrajectories(between(own, 0, handover), held);
+  results.later = compareTrajectories(later, held);
+  results.truth = compareTrajectories(own, ground_truth);
+  results.truth_later = compareTrajectories(later, ground_truth);
+  results.truth_reference =
+      compareTrajectories(between(held, results.handover_ns.value_or(0), kEndOfTime), ground_truth);
+  return results;
+}
+
+std::vector<StampedCameraPose> readGroundTruth(const std::string& path) {
+  std::vector<StampedCameraPose> poses;
+  for (const StampedPose& pose : readTum(path)) {
+    poses.push_back({std::llround(1e9 * pose.time_s), 0, pose.world_from_body});
+  }
+  std::sort(poses.begin(), poses.end(), [](const StampedCameraPose& a, const StampedCameraPose& b) {
+    return a.stamp_ns < b.stamp_ns;
+  });
+  return poses;
+}
+
+std::string trajectoryText(const TrajectoryResults& results) {
+  std::string text = shareText("until hand-over", results.startup) +
+                     shareText("after hand-over", results.later) +
+                     truthText("from the ground truth, whole run", results.truth) +
+                     truthText("from the ground truth, after hand-over", results.truth_later) +
+                     truthText("the same with the reference calibration", results.truth_reference);
+  return text.empty() ? text : "trajectory, after similarity alignment\n" + text;
+}
+
+std::string trajectoryJson(const TrajectoryResults& results) {
+  return json::object(
+      {{"reference_until_handover", differenceJson(results.startup)},
+       {"reference_after_handover", differenceJson(results.later)},
+       {"ground_truth", differenceJson(results.truth)},
+       {"ground_truth_after_handover", differenceJson(results.truth_later)},
+       {"ground_truth_with_reference_calibration", differenceJson(results.truth_reference)}});
+}
+
+}  // namespace camera_self_calibration
