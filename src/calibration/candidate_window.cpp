@@ -56,7 +56,7 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
     return candidate;
   }
   const SegmentFit fit = fitSegment(SegmentFitOptions(), &candidate.segment, &candidate.camera);
-  if (!fit.usable) {
+  if (!fit.usable || !fit.converged) {
     candidate.reason = "no solution was found";
     return candidate;
   }

@@ -14,6 +14,15 @@ namespace {
 constexpr double kRoughStep = 1e-2;
 constexpr double kRoughCost = 1e-4;
 
+// Residual scale of a solved segment against the sigmas that it had before `unexplained` was added.
+double scaleAgainstTracker(Segment segment, double unexplained, const Camera& camera) {
+  for (Observation& observation : segment.observations) {
+    const double square = observation.sigma * observation.sigma - unexplained * unexplained;
+    observation.sigma = std::sqrt(std::max(square, 1e-6 * observation.sigma * observation.sigma));
+  }
+  return medianResidualScale(freeBlock(&segment, camera), camera);
+}
+
 }  // namespace
 
 SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera* camera) {
@@ -36,7 +45,6 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
     problem.blocks = {freeBlock(segment, *camera)};
     if (!solve(problem, rough).usable) return fit;
     const SegmentBlock& block = problem.blocks.front();
-    if (round == 0) fit.residual_scale = medianResidualScale(block, *camera);
     const double unexplained = unexplainedSigma(block, *camera);
     for (Observation& observation : segment->observations) {
       observation.sigma = std::hypot(observation.sigma, unexplained);
@@ -49,7 +57,10 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
   }
   if (segment->observations.empty()) return fit;
   problem.blocks = {freeBlock(segment, *camera)};
-  if (!solve(problem, solver).usable) return fit;
+  const SolveSummary summary = solve(problem, solver);
+  if (!summary.usable) return fit;
+  fit.converged = summary.converged;
+  fit.residual_scale = scaleAgainstTracker(*segment, fit.unexplained_sigma, *camera);
   fit.marginal = marginalize(problem, options.huber);
   fit.usable = fit.marginal.information.allFinite();
   return fit;

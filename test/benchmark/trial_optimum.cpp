@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/solver.h"
@@ -45,6 +46,37 @@ Segment TrialOptimum::atTruth(const Span& span) const {
   return segment;
 }
 
+namespace {
+
+SolverOptions thorough() {
+  SolverOptions options;
+  options.max_iterations = 60;
+  options.step_tolerance = 1e-4;
+  options.cost_tolerance = 1e-8;
+  return options;
+}
+
+// Tracks at the very edge of a lens's domain, that one of two nearly equal lenses cannot predict at
+// all. The system's gate drops them; a lens that cannot predict more than these few is wrong.
+bool removeUnpredictable(const Problem& problem) {
+  constexpr double kMaxShare = 0.02;
+  constexpr double kFarOffPx = 45.0;
+  std::vector<std::vector<int>> removed;
+  double landmarks = 0.0, count = 0.0;
+  for (const SegmentBlock& block : problem.blocks) {
+    removed.push_back(grossMisfits(block, *problem.camera, 3.0, kFarOffPx));
+    count += static_cast<double>(removed.back().size());
+    landmarks += static_cast<double>(block.segment->landmarks.size());
+  }
+  if (count == 0.0 || count > kMaxShare * landmarks) return false;
+  for (std::size_t i = 0; i < removed.size(); ++i) {
+    removeLandmarks(removed[i], problem.blocks[i].segment);
+  }
+  return true;
+}
+
+}  // namespace
+
 TrialOptimum::Result TrialOptimum::compare(const Camera& estimate,
                                            const std::vector<Span>& spans) const {
   Result result{kInfinity, kInfinity};
@@ -54,24 +86,25 @@ TrialOptimum::Result TrialOptimum::compare(const Camera& estimate,
     if (segment.keyframes.size() > 2) segments.push_back(std::move(segment));
   }
   if (segments.empty()) return result;
-  SolverOptions options;
-  options.max_iterations = 60;
-  options.step_tolerance = 1e-4;
-  options.cost_tolerance = 1e-8;
   Camera camera = truth_;
   camera.setEstimateK3(estimate.estimatedCount() == 9);
-  Problem problem{&camera, true, {}};
-  for (Segment& segment : segments) problem.blocks.push_back(freeBlock(&segment, camera));
-  const SolveSummary best = solve(problem, options);
-  if (!best.usable) return result;
-  const auto covariance =
-      covarianceFromInformation(marginalize(problem, options.huber).information);
-  if (covariance) result.uncertainty_rms = pixelUncertainty(camera, *covariance).rms;
-  Camera held = estimate;
-  problem.camera = &held;
-  problem.estimate_intrinsics = false;
-  const SolveSummary there = solve(problem, options);
-  if (there.usable) result.excess_cost = there.final_cost / best.final_cost - 1.0;
+  for (bool again = true; again;) {
+    Camera held = estimate;
+    Problem problem{&camera, true, {}, {}};
+    for (Segment& segment : segments) problem.blocks.push_back(freeBlock(&segment, camera));
+    const SolveSummary best = solve(problem, thorough());
+    if (!best.usable) return result;
+    const Marginal marginal = marginalize(problem, thorough().huber);
+    if (const auto covariance = covarianceFromInformation(marginal.information)) {
+      result.uncertainty_rms = pixelUncertainty(camera, *covariance).rms;
+    }
+    problem.camera = &held;
+    problem.estimate_intrinsics = false;
+    const SolveSummary there = solve(problem, thorough());
+    if (!there.usable) return result;
+    result.excess_cost = there.final_cost / best.final_cost - 1.0;
+    again = removeUnpredictable(problem);
+  }
   return result;
 }
 

@@ -21,8 +21,10 @@ struct SegmentFitOptions {
 
 struct SegmentFit {
   bool usable = false;
-  Marginal marginal;  ///< At the solution, with the sigmas as they are in the segment then.
-  /// Robust scale (medianResidualScale) of the residuals against the tracker's own sigmas.
+  bool converged = false;  ///< The last solution met its tolerances.
+  Marginal marginal;       ///< At the solution, with the sigmas as they are in the segment then.
+  /// Robust scale (medianResidualScale) of the residuals that are left after gating, against the
+  /// tracker's own sigmas.
   double residual_scale = 1.0;
   /// Error per axis that was added to the tracker's own sigmas, in quadrature [px].
   double unexplained_sigma = 0.0;
