@@ -56,7 +56,7 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
     return candidate;
   }
   const SegmentFit fit = fitSegment(SegmentFitOptions(), &candidate.segment, &candidate.camera);
-  if (!fit.usable || !fit.converged) {
+  if (!fit.usable) {
     candidate.reason = "no solution was found";
     return candidate;
   }
@@ -74,6 +74,11 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
     candidate.entropy = candidate.uncertainty.rms = candidate.uncertainty.max = INFINITY;
   }
   candidate.reason = illPosed(options, candidate);
+  const double remaining = fit.marginal.remainingStep() / candidate.sigma_scale;
+  if (candidate.reason.empty() && !(remaining < options.max_remaining_step)) {
+    candidate.reason = format("the solution has not settled (%.1f sigma to go, at most %.1f)",
+                              remaining, options.max_remaining_step);
+  }
   candidate.well_posed = candidate.reason.empty();
   return candidate;
 }

@@ -57,9 +57,7 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
   }
   if (segment->observations.empty()) return fit;
   problem.blocks = {freeBlock(segment, *camera)};
-  const SolveSummary summary = solve(problem, solver);
-  if (!summary.usable) return fit;
-  fit.converged = summary.converged;
+  if (!solve(problem, solver).usable) return fit;
   fit.residual_scale = scaleAgainstTracker(*segment, fit.unexplained_sigma, *camera);
   fit.marginal = marginalize(problem, options.huber);
   fit.usable = fit.marginal.information.allFinite();

@@ -4,6 +4,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "camera_self_calibration/estimation/linear_segment.h"
@@ -27,10 +28,12 @@ Marginal marginalize(const Problem& problem, double huber, int threads) {
   Marginal marginal;
   marginal.information.setZero(count, count);
   marginal.track_scores.setZero(count, count);
+  marginal.gradient.setZero(count);
   marginal.variables = count;
   for (int i = 0; i < blocks; ++i) {
     marginal.information += linear[i].reducedHessian();
     marginal.track_scores += linear[i].trackScores();
+    marginal.gradient += linear[i].reducedGradient();
     marginal.cost += linear[i].cost();
     marginal.observations += static_cast<int>(problem.blocks[i].segment->observations.size());
     marginal.variables += linear[i].variables();
@@ -51,6 +54,12 @@ double Marginal::designEffect() const {
 double Marginal::sigmaScale() const {
   const double scale = residualScale();
   return std::sqrt(std::max({1.0, scale * scale, designEffect()}));
+}
+
+double Marginal::remainingStep() const {
+  const auto covariance = covarianceFromInformation(information);
+  if (!covariance) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(0.0, gradient.dot(*covariance * gradient)));
 }
 
 std::optional<IntrinsicsMatrix> Marginal::robustCovariance() const {

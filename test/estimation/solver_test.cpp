@@ -209,6 +209,23 @@ TEST(Solve, PriorMattersOnlyWhereNothingIsObserved) {
   }
 }
 
+// The length of the step that is still to go, in sigmas: none at the optimum, the distance nearby.
+TEST(Marginal, TellsHowFarTheOptimumIs) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment made = smallSegment(truth, LandmarkOrigin::kMixed, 0.3, 5, 8, 40);
+  Segment segment = made.segment;
+  Camera camera = truth;
+  Problem problem{&camera, true, {freeBlock(&segment, camera)}};
+  problem.blocks.front().sigma_scale = 1.0;
+  ASSERT_TRUE(solve(problem, thorough()).usable);
+  const Marginal best = marginalize(problem, 2.0);
+  EXPECT_LT(best.remainingStep(), 1e-3);
+  Intrinsics moved = camera.parameters();
+  moved(4) += 0.5 / std::sqrt(best.information(4, 4));
+  camera.setParameters(moved);
+  EXPECT_NEAR(marginalize(problem, 2.0).remainingStep(), 0.5, 0.1);
+}
+
 TEST(IntrinsicsPrior, GradientIsThatOfItsCost) {
   const Camera camera = ordinaryCameras()[1];
   const IntrinsicsPrior prior{Intrinsics::Constant(4, 100.0), Intrinsics::Constant(4, 20.0)};

@@ -30,6 +30,9 @@ struct CandidateOptions {
   /// rms over image width, above which it is ill posed. Without any information (a still camera,
   /// translation alone) noise in the estimated motion feigns 0.035 to 0.2, whatever its size.
   double max_pixel_uncertainty_share = 0.03;
+  /// Sigmas that the intrinsics would still move (Marginal::remainingStep). Poses and depths that
+  /// nothing determines, as in pure rotation, never settle and do not matter.
+  double max_remaining_step = 0.5;
   double max_residual_scale = 6.0;  ///< Against the tracker's own sigma.
 };
 

@@ -21,7 +21,6 @@ struct SegmentFitOptions {
 
 struct SegmentFit {
   bool usable = false;
-  bool converged = false;  ///< The last solution met its tolerances.
   Marginal marginal;       ///< At the solution, with the sigmas as they are in the segment then.
   /// Robust scale (medianResidualScale) of the residuals that are left after gating, against the
   /// tracker's own sigmas.

@@ -14,6 +14,8 @@ struct Marginal {
   /// `sum s s^T` over tracks (LinearSegment::trackScores), with the loss of degrees of freedom made
   /// up for: as `information` where residuals are independent, larger where they are correlated.
   IntrinsicsMatrix track_scores;
+  /// What is left of the gradient of the intrinsics when the rest is eliminated: 0 at an optimum.
+  Intrinsics gradient;
   double cost = 0.0;     ///< Robust, of all observations.
   int observations = 0;  ///< Each of two coordinates.
   int variables = 0;     ///< Free ones, the intrinsics among them.
@@ -29,6 +31,10 @@ struct Marginal {
   /// tracks: the root of the larger of the squared residual scale and the design effect; at
   /// least 1.
   double sigmaScale() const;
+
+  /// How far the intrinsics are from the optimum, to first order: length of the next Gauss-Newton
+  /// step b, `sqrt(b^T I b)`, in their own standard deviations; infinite where I is singular.
+  double remainingStep() const;
 
   /// `I^-1 M I^-1` with I the information and M the track scores: the covariance of the estimate
   /// whatever the correlation along a track (cluster-robust); in no direction smaller than I^-1.
