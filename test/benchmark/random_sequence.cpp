@@ -1,5 +1,6 @@
 #include "benchmark/random_sequence.h"
 
+#include <algorithm>
 #include <array>
 
 #include "benchmark/random_lens.h"
@@ -37,8 +38,9 @@ Trajectory recordedMotion(const Recording& recording, const std::string& folder,
   const double length = poses.back().time_s - poses.front().time_s;
   RealMotionOptions options;
   options.body_from_camera = bodyFromCamera(recording.euroc);
-  options.start_s = random->uniform(0.05 * length, std::max(0.06 * length, length - duration_s));
-  options.duration_s = duration_s;
+  const double last_start = length - duration_s - 1.0;
+  options.start_s = random->uniform(0.05 * length, std::max(0.06 * length, last_start));
+  options.duration_s = duration_s + 0.5;
   options.fit_into = box;
   return realMotion(poses, options);
 }
