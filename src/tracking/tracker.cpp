@@ -233,7 +233,7 @@ const TrackedFrame& Tracker::track(const ImageView& image) {
 
 std::vector<Track> Tracker::detect() {
   std::vector<Track> started;
-  if (!impl_->usable) return started;
+  if (!impl_->usable || impl_->free_patches.empty()) return started;
   impl_->mask.update();
   const double area = static_cast<double>(impl_->frame.width) * impl_->frame.height;
   const int cell = std::max(1, static_cast<int>(std::sqrt(area / impl_->options.max_features)));

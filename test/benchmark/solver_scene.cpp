@@ -10,12 +10,31 @@ SegmentOptions segmentOptions(int keyframes) {
   Intrinsics parameters(5);
   parameters << 311.0, 310.0, 322.0, 238.0, 0.93;
   options.camera = Camera(CameraModel::kFov, 640, 480, parameters);
-  // The pixel of detection is a measurement like others: three parameters a landmark.
-  options.origin = LandmarkOrigin::kInherited;
+  options.origin = LandmarkOrigin::kMixed;
   options.keyframes = keyframes;
   options.tracks.max_features = 128;
   options.tracks.pixel_sigma = 0.1;
   return options;
+}
+
+// As the map does by default: the pixel of detection becomes a measurement like the others, and the
+// landmark has three parameters.
+void freeReferences(const Camera& camera, Segment* segment) {
+  std::vector<Observation> grouped;
+  std::size_t next = 0;
+  for (int l = 0; l < static_cast<int>(segment->landmarks.size()); ++l) {
+    Landmark& landmark = segment->landmarks[l];
+    if (landmark.anchored) {
+      landmark.anchored = false;
+      landmark.bearing = *camera.unproject(landmark.reference_pixel);
+      grouped.push_back({l, landmark.reference, landmark.reference_pixel, 0.1});
+    }
+    for (; next < segment->observations.size() && segment->observations[next].landmark == l;
+         ++next) {
+      grouped.push_back(segment->observations[next]);
+    }
+  }
+  segment->observations = grouped;
 }
 
 }  // namespace
@@ -32,7 +51,8 @@ SolverScene::SolverScene(Kind kind, int keyframes) : kind_(kind) {
   start_camera_.setParameters(start);
   if (!estimatesIntrinsics()) start_camera_ = options.camera;
   for (int s = 0; s < segments; ++s) {
-    const SimulatedSegment made = makeSegment(options, 40 + s);
+    SimulatedSegment made = makeSegment(options, 40 + s);
+    freeReferences(options.camera, &made.segment);
     Segment moved = perturbed(made.segment, {0.005, 0.002, 0.02, 0.001}, s);
     // The conditioning keyframes are known.
     for (int k = 0; !estimatesIntrinsics() && k < kWindow; ++k) {
