@@ -52,13 +52,15 @@ def pipeline_rows(pipeline):
                "1280x720 raw inline": "100 fps", "1280x720 raw threaded": "175 fps",
                "640x480 raw live 30 Hz": "15 % of a core"}
     for run in pipeline["runs"]:
+        processed = run["frames"] - run["dropped"]
         row(run["name"], f"{run['fps']:.0f} fps", targets.get(run["name"], ""))
         row("  frame p50 p95 p99 max", " ".join(
             f"{run[key]:.1f}" for key in ("p50_ms", "p95_ms", "p99_ms", "max_ms")) + " ms")
-        row("  frames per second of one core's time", f"{run['frames'] / run['cpu_seconds']:.0f}")
+        row("  frames per second of one core's time", f"{processed / run['cpu_seconds']:.0f}",
+            f"{run['dropped']} images dropped" if run["dropped"] else "")
         share = 100 * run["cpu_seconds"] / run["wall_seconds"]
         row("  CPU, s per s of 30 Hz video; of a core, %",
-            f"{30 * run['cpu_seconds'] / run['frames']:.2f}; {share:.0f}")
+            f"{30 * run['cpu_seconds'] / processed:.2f}; {share:.0f}")
     row("peak memory, videos included", f"{pipeline['peak_megabytes']:.0f} MB")
 
 
