@@ -67,9 +67,10 @@ cv::Mat drawPaths(const std::vector<PlanePath>& paths, const std::string& title,
   drawAxes(axes, colours, &sheet);
   drawXTicks(axes, true, unit, colours, &sheet);
   sheet.text(title, {56.0, 16.0}, 8.0, colours.text, Align::kLeft, true);
+  // The first path last, so that it lies on top.
+  for (auto path = paths.rbegin(); path != paths.rend(); ++path) drawPath(*path, axes, &sheet);
   double x = 56.0;
   for (const PlanePath& path : paths) {
-    drawPath(path, axes, &sheet);
     if (path.name.empty()) continue;
     sheet.line({x, 30.0}, {x + 22.0, 30.0}, path.colour, 2.0);
     sheet.text(path.name, {x + 28.0, 33.5}, 7.0, colours.text);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <limits>
 #include <sstream>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
@@ -24,12 +25,14 @@ const BatchEstimate* comparable(const CalibrationReport& queue, const BatchCompa
   return same ? &batch : nullptr;
 }
 
-/// Difference over sqrt(C_queue - C_batch); infinite where the batch is said to be the worse one.
+/// Difference over sqrt(C_queue - C_batch); not a number where the batch is said to be the worse
+/// one.
 double efficientDifference(const CalibrationReport& queue, const BatchEstimate& batch,
                            Eigen::Index i) {
   const double difference = queue.camera.parameters()(i) - batch.camera.parameters()(i);
   const double variance = queue.covariance(i, i) - batch.covariance(i, i);
-  return difference / std::sqrt(std::max(0.0, variance));
+  return variance > 0.0 ? difference / std::sqrt(variance)
+                        : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace

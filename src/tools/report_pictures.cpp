@@ -190,6 +190,7 @@ cv::Mat drawTrajectory(const Recording& recording,
     paths = {pathOf("self-calibrating", blue, alignedTo(ground_truth, own), plane),
              pathOf("reference calibration", orange, alignedTo(ground_truth, held), plane),
              pathOf("ground truth", black, ground_truth, plane)};
+    paths.back().width = 3.0;
   } else if (!held.empty()) {
     const GroundPlane plane(held);
     paths = {pathOf("self-calibrating", blue, alignedTo(held, own), plane),
