@@ -73,6 +73,12 @@ Range yRange(const LineChart& chart, double quantile) {
   const double centre = quantileOf(later, 0.5);
   for (double& end : ends) end = std::abs(end - centre);
   double half = 1.15 * quantileOf(ends, quantile);
+  // The outcome of every curve is to be seen.
+  for (const Curve& curve : chart.curves) {
+    if (!curve.y.empty() && std::isfinite(curve.y.back())) {
+      half = std::max(half, 1.1 * std::abs(curve.y.back() - centre));
+    }
+  }
   if (chart.level) half = std::max(half, 1.1 * std::abs(*chart.level - centre));
   half = std::max({half, 1e-9, 1e-6 * std::abs(centre)});
   return {centre - half, centre + half};
