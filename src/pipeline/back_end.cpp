@@ -100,6 +100,7 @@ bool BackEnd::restore(const LearntState& state) {
   }
   BackEnd restored = *this;
   restored.report_.camera = state.camera;
+  restored.report_.state = state.state;  // CONVERGED is left on a change or a reset only
   restored.report_.stamp_ns = state.stamp_ns;
   restored.report_.keyframes = state.keyframes;
   restored.report_.revision = state.revision;

@@ -14,6 +14,7 @@ CheckedBackEnd::CheckedBackEnd(const Options& options, const Beginning& beginnin
     : options_(options), main_(options, beginning.camera) {
   if (!beginning.state || !main_.restore(*beginning.state)) return;
   fresh_ = std::make_unique<BackEnd>(options, beginning.camera);
+  announced_ = main_.report().state != CalibrationState::kConverged;
 }
 
 BackEndOutput CheckedBackEnd::process(const KeyframeMessage& message, bool frozen) {
@@ -25,6 +26,11 @@ BackEndOutput CheckedBackEnd::process(const KeyframeMessage& message, bool froze
   if (!fresh_) return main_.process(message);
   if (first_stamp_ns_ == 0) first_stamp_ns_ = message.candidate.endNs();
   BackEndOutput output = main_.hold(message, "; restored, being checked against new images");
+  if (!announced_) {
+    announced_ = true;
+    const std::int64_t stamp_ns = output.report.stamp_ns;
+    output.events.push_back({EventType::kConverged, stamp_ns, stamp_ns, output.report.sentence});
+  }
   // Until the check is over the front end sends the whole history and ends no tracks for not
   // fitting the saved intrinsics.
   if (output.update) output.update->handed_over = false;

@@ -20,7 +20,7 @@ StoreOptions storeOptions(const NodeOptions& options, const std::string& camera_
 ControlOptions controlOptions(const NodeOptions& options, const std::string& camera_name,
                               const std::string& image_topic) {
   ControlOptions control;
-  control.model = options.pipeline.model;
+  control.pipeline = options.pipeline;
   control.commit_service =
       options.commit_service.empty() ? driverService(image_topic) : options.commit_service;
   control.report_file = resolvePath(options.report_file, camera_name).path;

@@ -75,6 +75,9 @@ void ControlServices::autosave(bool at_once) {
   const std::optional<Present> now = present();
   const sensor_msgs::CameraInfo info = targets_.published_info();
   if (!whyNotConverged(now, info).empty() || now->state == saved_) return;
+  // Where the newest segments disagree what was saved before may be the better one.
+  const CalibrationReport& report = now->report;
+  if (report.uncertainty.rms > options_.pipeline.convergedRms(report.camera.width())) return;
   last_save_ = ros::WallTime::now();
   const CalibrationStore::Outcome outcome = targets_.store->save(*now->state, info);
   // What cannot be saved is tried again with the next estimate, and said once.
@@ -102,9 +105,9 @@ bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
 
 Camera ControlServices::unlearnt(int width, int height) const {
   const std::vector<double>& values = options_.initial_intrinsics;
-  if (values.empty()) return Camera::defaultGuess(options_.model, width, height);
+  if (values.empty()) return Camera::defaultGuess(options_.pipeline.model, width, height);
   return Camera(
-      options_.model, width, height,
+      options_.pipeline.model, width, height,
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
 }
 
@@ -180,12 +183,12 @@ bool ControlServices::freeze(std_srvs::SetBool::Request& request,
 bool ControlServices::setCameraInfo(sensor_msgs::SetCameraInfo::Request& request,
                                     sensor_msgs::SetCameraInfo::Response& response) {
   const sensor_msgs::CameraInfo& info = request.camera_info;
-  const std::optional<CameraFit> start = startFrom(info, options_.model);
+  const std::optional<CameraFit> start = startFrom(info, options_.pipeline.model);
   response.success = false;
   if (!start) {
     response.status_message = "the message is uncalibrated, or its distortion model '" +
                               info.distortion_model + "' cannot be used as " +
-                              toString(options_.model);
+                              toString(options_.pipeline.model);
     return true;
   }
   std::string size_problem;

@@ -71,6 +71,7 @@ TEST(Restore, ConvergedAtTheFirstKeyframeAndConfirmedByNewImages) {
       const CalibrationReport first = second.run.report();
       EXPECT_EQ(first.state, CalibrationState::kConverged) << first.sentence;
       EXPECT_NE(first.sentence.find("restored"), std::string::npos);
+      EXPECT_EQ(second.run.record.count(EventType::kConverged), 1);
       EXPECT_LT(pixelDistance(state->camera, first.camera).rms, 0.02);
       EXPECT_LT(first.uncertainty.rms, 1.0);
       EXPECT_EQ(first.queue.segments.size(), state->segments.size());
@@ -115,6 +116,20 @@ TEST(Restore, AnotherLensIsNoticedAndLearntAnew) {
     ASSERT_TRUE(second.run.calibrator().state());
     EXPECT_EQ(second.run.calibrator().state()->epoch, 1u);
   }
+}
+
+// CONVERGED is left on a change or a reset only, not because segments disagree a little.
+TEST(Restore, ConvergedStaysConvergedEvenIfItsUncertaintyHasGrown) {
+  const Camera truth = ordinaryCameras()[1];
+  const auto state = learn(truth);
+  Options options = optionsFor(truth.model());
+  options.converged_pixel_rms = 1e-3;  // far below what the state is good to
+  TrackRun run(truth, options, TrackRunOptions());
+  run.calibrator().restore(state);
+  run.seek(kLaterFrames);
+  run.step();
+  EXPECT_EQ(run.report().state, CalibrationState::kConverged);
+  EXPECT_EQ(run.record.count(EventType::kConverged), 1);
 }
 
 // Images that tell nothing neither confirm nor contradict.

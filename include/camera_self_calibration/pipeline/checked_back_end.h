@@ -34,6 +34,7 @@ class CheckedBackEnd {
   Options options_;
   BackEnd main_;
   std::unique_ptr<BackEnd> fresh_;  // while a saved state is being checked
+  bool announced_ = true;  // that a restored calibration is in use
   std::int64_t first_stamp_ns_ = 0;
   int contradictions_ = 0;  // in a row
 };

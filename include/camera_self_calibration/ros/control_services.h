@@ -33,7 +33,7 @@ struct ControlTargets {
 };
 
 struct ControlOptions {
-  CameraModel model = CameraModel::kFov;
+  Options pipeline;
   std::vector<double> initial_intrinsics;  ///< That ~reset begins with; empty: the default guess.
   std::string commit_service;              ///< Of the camera's driver.
   std::string report_file;                 ///< For ~dump_report.
