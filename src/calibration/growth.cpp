@@ -25,7 +25,8 @@ std::vector<PointView> viewsOf(const Segment& segment, int k, const Camera& came
     const Landmark& landmark = segment.landmarks[observation.landmark];
     if (observation.keyframe != k || landmark.reference >= k) continue;
     Eigen::Vector3d ray;
-    if (!landmarkRay(camera, landmark, &ray, nullptr)) continue;
+    const Camera& seen_with = segment.cameraOf(landmark.reference, camera);
+    if (!landmarkRay(seen_with, landmark, &ray, nullptr)) continue;
     const Rigid3& reference = segment.keyframes[landmark.reference].world_from_camera;
     views.push_back({reference.rotation * ray, reference.translation, landmark.inverse_depth,
                      observation.pixel, observation.sigma});
@@ -39,7 +40,7 @@ double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
     const Landmark& landmark = segment.landmarks[observation.landmark];
     Eigen::Vector3d ray;
     if (observation.keyframe != k || landmark.reference >= k ||
-        !landmarkRay(camera, landmark, &ray, nullptr)) {
+        !landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr)) {
       continue;
     }
     depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
@@ -68,6 +69,8 @@ Segment prefixOf(const Segment& segment, int keyframes, int min_views,
                  std::vector<int>* landmark_index) {
   Segment prefix;
   prefix.sequence = segment.sequence;
+  prefix.earlier_camera = segment.earlier_camera;
+  prefix.earlier_keyframes = std::min(segment.earlier_keyframes, keyframes);
   prefix.keyframes.assign(segment.keyframes.begin(), segment.keyframes.begin() + keyframes);
   prefix.earlier_camera = segment.earlier_camera;
   prefix.earlier_keyframes = std::min(segment.earlier_keyframes, keyframes);

@@ -74,7 +74,7 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
             format("the calibration had converged, but the newest stretches disagree with it: now "
                    "good to %.2f px rms over the image only (limit %.2f px)",
                    rms, evidence.threshold_px),
-            "if the lens was moved, restart the calibration"};
+            "if this lasts although the lens was not touched, restart the calibration"};
   }
   if (was_converged || (evidence.handed_over && rms <= evidence.threshold_px)) {
     return {CalibrationState::kConverged,
@@ -98,7 +98,8 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
                 weakestDirection(evidence.information, camera),
             kMotionHint};
   }
-  std::string sentence = "learning the lens from nothing";
+  std::string sentence =
+      evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
   if (evidence.has_estimate) {
     sentence += format("; so far good to %.2f px rms over the image (hand-over below %.2f px)", rms,
                        2.0 * evidence.threshold_px);

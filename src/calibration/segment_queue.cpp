@@ -111,14 +111,17 @@ QueueDecision SegmentQueue::consider(const SegmentScore& candidate, const Camera
   return decision;
 }
 
+void SegmentQueue::remove(const std::vector<std::int64_t>& sequences) {
+  const auto leaves = [&](const SegmentScore& segment) {
+    return std::find(sequences.begin(), sequences.end(), segment.sequence) != sequences.end();
+  };
+  segments_.erase(std::remove_if(segments_.begin(), segments_.end(), leaves), segments_.end());
+}
+
 QueueDecision SegmentQueue::offer(const SegmentScore& candidate, const Camera& camera) {
   const QueueDecision decision = consider(candidate, camera);
   if (!decision.accepted) return decision;
-  const auto leaves = [&](const SegmentScore& segment) {
-    return std::find(decision.replaced.begin(), decision.replaced.end(), segment.sequence) !=
-           decision.replaced.end();
-  };
-  segments_.erase(std::remove_if(segments_.begin(), segments_.end(), leaves), segments_.end());
+  remove(decision.replaced);
   segments_.push_back(candidate);
   return decision;
 }

@@ -81,6 +81,14 @@ void SlidingWindow::keepNewestPoseAndDepth(const Rigid3& pose, double inverse_de
   for (Landmark& landmark : segment->landmarks) landmark.inverse_depth /= scale;
 }
 
+// Keyframes from before a change of the lens keep the generation that they were estimated with.
+void SlidingWindow::takeGeneration(Segment* segment) const {
+  for (std::size_t k = 0; k < segment->keyframes.size(); ++k) {
+    if (segment->isEarlier(static_cast<int>(k))) continue;
+    segment->keyframes[k].calibration_generation = generation_;
+  }
+}
+
 void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool trusted) {
   trusted_ = trusted;
   camera_ = camera;
@@ -99,7 +107,7 @@ void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool t
   Problem problem{&camera_, false, {freeBlock(&segment, camera_)}};
   if (!solve(problem, windowSolver()).usable) return;
   keepNewestPoseAndDepth(pose, inverse_depth, &segment);
-  for (Keyframe& keyframe : segment.keyframes) keyframe.calibration_generation = generation_;
+  takeGeneration(&segment);
   map_.update(segment);
 }
 
@@ -109,7 +117,7 @@ void SlidingWindow::reseed(const Segment& solution) {
   if (newest == nullptr) return;
   Segment known = solution;
   keepNewestPoseAndDepth(newest->world_from_camera, medianDepthOf(solution, *newest), &known);
-  for (Keyframe& keyframe : known.keyframes) keyframe.calibration_generation = generation_;
+  takeGeneration(&known);
   map_.update(known);
 }
 
@@ -133,7 +141,7 @@ std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Tr
   const Keyframe* anchor = map_.keyframe(point.anchor_id);
   const Map::Sighting* sighting = sightingIn(point, point.anchor_id);
   if (anchor == nullptr || sighting == nullptr) return std::nullopt;
-  const auto ray = camera_.unproject(sighting->pixel);
+  const auto ray = map_.cameraOf(*anchor, camera_).unproject(sighting->pixel);
   if (!ray) return std::nullopt;
   return PointView{anchor->world_from_camera.rotation * *ray, anchor->world_from_camera.translation,
                    point.inverse_depth, track.pixel, track.sigma};
@@ -160,11 +168,13 @@ int SlidingWindow::conditioningCount() const {
   int count = 0;
   std::uint64_t near_generation = generation_;
   while (count < std::min(active_begin, options_.conditioning_keyframes)) {
-    const std::uint64_t generation = keyframes[active_begin - count - 1].calibration_generation;
+    const Keyframe& keyframe = keyframes[active_begin - count - 1];
+    const std::uint64_t generation = keyframe.calibration_generation;
     if (generation != near_generation) {
       const auto camera = generations_.find(generation);
+      const Camera& true_camera = map_.cameraOf(keyframe, camera_);
       if (camera == generations_.end() ||
-          pixelDistance(camera->second, camera_).rms > options_.max_generation_distance_px) {
+          pixelDistance(camera->second, true_camera).rms > options_.max_generation_distance_px) {
         break;
       }
       near_generation = generation;

@@ -85,6 +85,18 @@ void Startup::switchModel(const Camera& camera) {
   usable_ = false;
 }
 
+void Startup::resume(const Camera& camera, const IntrinsicsMatrix& information,
+                     const Segment& solved) {
+  reset(camera);
+  segment_ = solved;
+  information_ = information;
+  covariance_ = covarianceFromInformation(information).value_or(IntrinsicsMatrix());
+  uncertainty_ = covariance_.size() > 0 ? pixelUncertainty(camera_, covariance_) : kUnknown;
+  usable_ = true;
+  told_ = tellsLens();
+  added_ = static_cast<int>(solved.keyframes.size());
+}
+
 bool Startup::tellsLens() const {
   return usable_ && uncertainty_.rms < options_.useless_uncertainty_share * camera_.width();
 }

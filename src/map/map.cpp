@@ -51,7 +51,7 @@ void Map::removeOldest(const Camera& camera) {
       if (point.anchor_id == oldest.id && !sightings.empty()) {
         const Keyframe& next = *keyframe(sightings.front().keyframe_id);
         point.anchor_id = next.id;
-        if (const auto ray = camera.unproject(anchor_pixel)) {
+        if (const auto ray = cameraOf(oldest, camera).unproject(anchor_pixel)) {
           point.inverse_depth = transferInverseDepth(oldest.world_from_camera, *ray,
                                                      point.inverse_depth, next.world_from_camera);
         }
@@ -61,11 +61,25 @@ void Map::removeOldest(const Camera& camera) {
   }
 }
 
+void Map::changeLens(std::int64_t onset_ns, const Camera& earlier, const Camera& present) {
+  if (earlier_camera_) {
+    while (!keyframes_.empty() && keyframes_.front().stamp_ns < change_ns_) removeOldest(present);
+  }
+  earlier_camera_ = std::make_shared<const Camera>(earlier);
+  change_ns_ = onset_ns;
+}
+
+int Map::keyframesSince(std::int64_t stamp_ns) const {
+  return static_cast<int>(std::count_if(keyframes_.begin(), keyframes_.end(),
+                                        [&](const Keyframe& k) { return k.stamp_ns >= stamp_ns; }));
+}
+
 void Map::removePoints(const std::vector<std::int64_t>& track_ids) {
   for (const std::int64_t id : track_ids) points_.erase(id);
 }
 
 void Map::clear() {
+  earlier_camera_.reset();
   keyframes_.clear();
   points_.clear();
 }
@@ -94,8 +108,10 @@ Segment Map::segmentFrom(int first, const Camera& camera) const {
   if (first >= static_cast<int>(keyframes_.size())) return segment;
   segment.keyframes.assign(keyframes_.begin() + first, keyframes_.end());
   segment.sequence = segment.keyframes.back().id;
+  segment.earlier_camera = earlier_camera_;
   std::map<std::int64_t, int> index;  // keyframe id to index in the segment
   for (std::size_t k = 0; k < segment.keyframes.size(); ++k) {
+    if (earlier_camera_) segment.earlier_keyframes += segment.keyframes[k].stamp_ns < change_ns_;
     index[segment.keyframes[k].id] = static_cast<int>(k);
   }
   for (const auto& [track_id, point] : points_) {
@@ -117,11 +133,11 @@ Segment Map::segmentFrom(int first, const Camera& camera) const {
 
 std::optional<Landmark> Map::landmarkFrom(std::int64_t track_id, const Point& point,
                                           const Sighting& first, const Camera& camera) const {
-  const auto first_ray = camera.unproject(first.pixel);
+  const auto first_ray = cameraOf(*keyframe(first.keyframe_id), camera).unproject(first.pixel);
   const Keyframe* anchor = keyframe(point.anchor_id);
   const Sighting* anchor_sighting = sightingIn(point, point.anchor_id);
   if (!first_ray || anchor == nullptr || anchor_sighting == nullptr) return std::nullopt;
-  const auto anchor_ray = camera.unproject(anchor_sighting->pixel);
+  const auto anchor_ray = cameraOf(*anchor, camera).unproject(anchor_sighting->pixel);
   if (!anchor_ray) return std::nullopt;
   Landmark landmark;
   landmark.track_id = track_id;
@@ -170,7 +186,7 @@ std::optional<double> Map::inverseDepthFrom(const Rigid3& world_from_camera, con
   const Keyframe* anchor = keyframe(point.anchor_id);
   const Sighting* sighting = sightingIn(point, point.anchor_id);
   if (anchor == nullptr || sighting == nullptr) return std::nullopt;
-  const auto ray = camera.unproject(sighting->pixel);
+  const auto ray = cameraOf(*anchor, camera).unproject(sighting->pixel);
   if (!ray) return std::nullopt;
   return transferInverseDepth(anchor->world_from_camera, *ray, point.inverse_depth,
                               world_from_camera);

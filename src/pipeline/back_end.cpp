@@ -37,7 +37,8 @@ BackEnd::BackEnd(const Options& options, const Camera& camera)
       model_choice_(ModelChoiceOptions()),
       startup_(startupOptions(options), camera),
       queue_(options.queue_segments, options.alpha, options.score),
-      estimate_(options.solver_threads) {
+      estimate_(options.solver_threads),
+      detector_(options.false_alarms_per_hour) {
   report_.camera = camera;
   report_.uncertainty = {kInfinity, kInfinity};
   report_.entropy = kInfinity;
@@ -55,10 +56,11 @@ BackEndOutput BackEnd::process(const KeyframeMessage& message) {
   considerModel(message);
   if (!handed_over_) runStartup(message);
   if (handed_over_ || startup_.tellsLens()) {
-    offerCandidate(message);
+    considerCandidate(message, &output.events);
   } else {
     report_.queue.last_decision = "not considered: all keyframes together tell nothing yet";
   }
+  if (!handed_over_) recallSetting(&output.events);
   if (!handed_over_) considerHandover(report_.stamp_ns, &output.events);
   judge(report_.stamp_ns, &output.events);
   return finish(std::move(output));
@@ -72,9 +74,12 @@ BackEndOutput BackEnd::finish(BackEndOutput output) {
     output.update->camera = report_.camera;
     output.update->generation = report_.revision;
     output.update->handed_over = handed_over_;
+    output.update->epoch = report_.epoch;
+    output.update->onset_ns = epoch_onset_ns_;
     if (!handed_over_) output.update->solution = startup_.segment();
   }
   changed_ = false;
+  for (Event& event : output.events) event.epoch = report_.epoch;
   output.report = report_;
   return output;
 }
@@ -153,6 +158,10 @@ void BackEnd::runStartup(const KeyframeMessage& message) {
   if (report_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
     clearQueue();  // its segments were scored for another number of parameters
   }
+  adoptStartup();
+}
+
+void BackEnd::adoptStartup() {
   report_.camera = startup_.camera();
   report_.covariance = startup_.covariance();
   report_.uncertainty = startup_.uncertainty();
@@ -193,10 +202,6 @@ void BackEnd::clearQueue() {
   queue_.clear();
   estimate_.clear();
   solution_ = QueueSolution();
-}
-
-void BackEnd::offerCandidate(const KeyframeMessage& message) {
-  if (offer(evaluateCandidate(CandidateOptions(), message.candidate, report_.camera))) solveQueue();
 }
 
 bool BackEnd::offer(const Candidate& candidate) {
@@ -242,7 +247,7 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
     obstacle_ = "the queue does not hold two separate stretches yet";
     return;
   }
-  const double threshold = 2.0 * options_.convergedRms(report_.camera.width());
+  const double threshold = 2.0 * convergedRms();
   const PixelError uncertainty = pixelUncertainty(solution_.camera, solution_.covariance);
   const double distance = pixelDistance(solution_.camera, startup_.camera()).rms;
   const double limit = kMaxStartupDistance * (report_.uncertainty.rms + uncertainty.rms);
@@ -282,7 +287,8 @@ void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   evidence.handed_over = handed_over_;
   evidence.information = handed_over_ ? solution_.information : startup_.information();
   evidence.uncertainty = report_.uncertainty;
-  evidence.threshold_px = options_.convergedRms(report_.camera.width());
+  evidence.threshold_px = convergedRms();
+  evidence.epoch = report_.epoch;
   evidence.obstacle = obstacle_;
   const bool was_converged = report_.state == CalibrationState::kConverged;
   const HealthVerdict verdict = judgeHealth(evidence, report_.camera, was_converged);

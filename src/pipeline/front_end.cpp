@@ -37,6 +37,12 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t fi
 
 void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;
+  if (update.epoch != epoch_) {
+    epoch_ = update.epoch;
+    epoch_onset_ns_ = update.onset_ns;
+    window_.changeLens(update.onset_ns);
+    monitor_.reset();
+  }
   window_.adopt(update.camera, update.generation, update.handed_over);
   if (update.solution) window_.reseed(*update.solution);
   // The newest keyframe kept its pose; the frames since then are located again from the next on.
@@ -44,6 +50,7 @@ void FrontEnd::adopt(const CalibrationUpdate& update) {
 
 void FrontEnd::resetMap() {
   window_.clear();
+  monitor_.reset();
   keyframe_rule_.reset();
   ++map_id_;
   state_ = TrackingState::kInitializing;
@@ -77,6 +84,7 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& frame,
                                              keyframe_rule_.isKeyframe(frame, window_.camera())))) {
     makeKeyframe(frame, detect(), &output);
   }
+  for (Event& event : output.events) event.epoch = epoch_;
   output.result.state = state_;
   output.result.map_id = map_id_;
   output.result.world_from_camera = world_from_camera_;
@@ -101,9 +109,20 @@ void FrontEnd::locate(const TrackedFrame& frame, FrontEndOutput* output) {
     last_motion_ = world_from_camera_.inverse() * pose.world_from_camera;
     world_from_camera_ = pose.world_from_camera;
     output->result.pose_covariance = pose.covariance;
+    watchLens(frame, pose);
     resumeTracking(frame, output);
   } else {
     missPose(frame, output);
+  }
+}
+
+void FrontEnd::watchLens(const TrackedFrame& frame, const PoseEstimate& pose) {
+  if (!handed_over_) return;
+  monitor_.add(frame.stamp_ns, pose.residual_scale);
+  // By then a whole window lies behind the suspected onset, and the back end has made up its mind.
+  if (monitor_.suspicious() &&
+      window_.map().keyframesSince(monitor_.onsetNs()) > options_.segment_keyframes) {
+    monitor_.reset();
   }
 }
 
@@ -141,6 +160,20 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
                             "tracking was lost; the calibration is kept and a new map begins"});
 }
 
+KeyframeMessage FrontEnd::keyframeMessage() const {
+  KeyframeMessage message;
+  message.keyframes = keyframes_;
+  const int present = window_.map().keyframesSince(epoch_onset_ns_);  // with the present lens
+  message.candidate =
+      window_.map().lastKeyframes(std::min(options_.segment_keyframes, present), window_.camera());
+  if (!handed_over_) {
+    // With what is known of the scene from before a change, which makes few keyframes suffice.
+    message.history = window_.map().lastKeyframes(options_.startup_keyframes, window_.camera());
+  }
+  message.suspected_onset_ns = monitor_.suspicious() ? monitor_.onsetNs() : 0;
+  return message;
+}
+
 void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected,
                             FrontEndOutput* output) {
   TrackedFrame whole = frame;
@@ -159,13 +192,7 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
   output->result.is_keyframe = true;
   output->result.keyframe_id = keyframe.id;
   last_stamp_ns_ = frame.stamp_ns;
-  KeyframeMessage message;
-  message.keyframes = keyframes_;
-  message.candidate = window_.map().lastKeyframes(options_.segment_keyframes, window_.camera());
-  if (!handed_over_) {
-    message.history = window_.map().lastKeyframes(options_.startup_keyframes, window_.camera());
-  }
-  output->keyframe = std::move(message);
+  output->keyframe = keyframeMessage();
 }
 
 }  // namespace camera_self_calibration

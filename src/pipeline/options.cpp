@@ -30,6 +30,10 @@ std::vector<std::string> Options::problems() const {
     list.push_back("converged_pixel_rms is " + std::to_string(converged_pixel_rms) +
                    ", it must be positive, or 0 for 1 px per 640 px of width");
   }
+  if (!(false_alarms_per_hour >= 0.0 && false_alarms_per_hour <= 60.0)) {
+    list.push_back("false_alarms_per_hour is " + std::to_string(false_alarms_per_hour) +
+                   ", it must lie between 0 (the lens is never said to have changed) and 60");
+  }
   if (std::isnan(handover_entropy)) {
     list.push_back("handover_entropy is not a number; -infinity turns it off");
   }

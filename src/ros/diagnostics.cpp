@@ -107,6 +107,7 @@ void Diagnostics::calibration(Status& status) {
   status.add("pixel uncertainty max [px]", report_.uncertainty.max);
   status.add("revision", report_.revision);
   status.add("epoch", report_.epoch);
+  if (!report_.last_change.empty()) status.add("last change", report_.last_change);
   addCameraInfo(&status);
 }
 

@@ -152,6 +152,8 @@ CalibrationEvent toCalibrationEvent(const Event& event, std::uint64_t epoch) {
   message.stamp = toRosTime(event.stamp_ns);
   message.onset_stamp = toRosTime(event.onset_stamp_ns);
   message.epoch = epoch;
+  message.magnitude_px = event.magnitude_px;
+  message.p_value = event.p_value;
   message.sentence = event.sentence;
   return message;
 }

@@ -56,6 +56,9 @@ std::string eventsJson(const std::vector<Event>& events) {
     values.push_back(json::object({{"type", json::string(toString(event.type))},
                                    {"stamp", json::seconds(event.stamp_ns)},
                                    {"onset_stamp", json::seconds(event.onset_stamp_ns)},
+                                   {"epoch", std::to_string(event.epoch)},
+                                   {"magnitude_px", json::number(event.magnitude_px)},
+                                   {"p_value", json::number(event.p_value)},
                                    {"sentence", json::string(event.sentence)}}));
   }
   return json::array(values);

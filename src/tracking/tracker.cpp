@@ -11,6 +11,7 @@
 #include "camera_self_calibration/tracking/patch_registration.h"
 #include "camera_self_calibration/tracking/pyramid.h"
 #include "camera_self_calibration/tracking/track_gate.h"
+#include "camera_self_calibration/tracking/zoom_search.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -77,6 +78,7 @@ struct Tracker::Impl {
   ImagePyramid current;
   FieldMask mask;
   FlowPrediction flow;
+  ZoomSearch zoom_search;
   LocalMotion local_motion;
   PatchRegistration registration;
   TrackGate gate;
@@ -120,6 +122,7 @@ void Tracker::Impl::predict() {
     predicted.emplace_back(guess.x(), guess.y());
   }
   flow.run(previous, current, from, &predicted);
+  zoom_search.run(previous, current, from, &flow, &predicted);
   local_motion.fit(
       from, predicted, [this](std::size_t i) { return flow.found(i); },
       kNeighbourhood * frame.width);

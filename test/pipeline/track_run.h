@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,6 +48,9 @@ struct TrackRunOptions {
   std::uint64_t seed = 1;
   int max_features = 80;
   double rate_hz = 15.0;
+  double duration_s = 120.0;
+  /// If given, the camera at a time since the start [s].
+  std::function<Camera(double)> lens = nullptr;
 };
 
 /// A calibrator, inline, fed with simulated feature tracks: the whole system but the images.
@@ -54,7 +58,7 @@ class TrackRun {
  public:
   TrackRun(const Camera& truth, const Options& options, const TrackRunOptions& run)
       : rate_hz_(run.rate_hz),
-        tracks_(makeRoom(RoomOptions()), Lens{truth, std::nullopt, 1.0}, motionOf(run),
+        tracks_(makeRoom(RoomOptions()), Lens{truth, std::nullopt, 1.0, run.lens}, motionOf(run),
                 tracksOf(run)),
         calibrator_(options, SelfCalibrator::Mode::kInline, record.callbacks()) {}
 
@@ -104,7 +108,7 @@ class TrackRun {
     options.speed = run.motion_speed;
     options.seed = run.seed;
     options.box = makeRoom(RoomOptions()).free_space;
-    options.duration_s = 120.0;
+    options.duration_s = run.duration_s;
     return syntheticMotion(options);
   }
   static FeatureTracksOptions tracksOf(const TrackRunOptions& run) {

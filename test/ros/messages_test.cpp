@@ -96,12 +96,14 @@ TEST(Messages, QueueAndEvent) {
   EXPECT_EQ(queue.swaps, 3u);
   EXPECT_TRUE(queue.last_accepted);
 
-  const Event event{EventType::kHandover, 5000000000, 4000000000, "Over."};
+  const Event event{EventType::kHandover, 5000000000, 4000000000, "Over.", 2, 7.5, 1e-9};
   const CalibrationEvent message = toCalibrationEvent(event, 2);
   EXPECT_EQ(message.type, CalibrationEvent::HANDOVER);
   EXPECT_EQ(message.stamp, ros::Time(5, 0));
   EXPECT_EQ(message.onset_stamp, ros::Time(4, 0));
   EXPECT_EQ(message.epoch, 2u);
+  EXPECT_EQ(message.magnitude_px, 7.5);
+  EXPECT_EQ(message.p_value, 1e-9);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "camera_self_calibration/camera/camera.h"
@@ -26,6 +27,7 @@ struct HealthEvidence {
   IntrinsicsMatrix information;  ///< Of the estimate.
   PixelError uncertainty;        ///< [px]
   double threshold_px = 1.0;     ///< CONVERGED at or below this rms.
+  std::uint64_t epoch = 0;       ///< How often the lens changed so far.
   std::string obstacle;          ///< Why there was no hand-over yet, in words; may be empty.
 };
 

@@ -57,6 +57,7 @@ class SegmentQueue {
   /// Considers, and applies the decision.
   QueueDecision offer(const SegmentScore& candidate, const Camera& camera);
 
+  void remove(const std::vector<std::int64_t>& sequences);
   void clear() { segments_.clear(); }
   const std::vector<SegmentScore>& segments() const { return segments_; }
 

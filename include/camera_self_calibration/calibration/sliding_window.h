@@ -35,6 +35,10 @@ class SlidingWindow {
   /// fit either.
   void adopt(const Camera& camera, std::uint64_t generation, bool trusted);
 
+  /// The physical camera changed at this stamp: older keyframes keep the present intrinsics for
+  /// ever, whatever is adopted from now on.
+  void changeLens(std::int64_t onset_ns) { map_.changeLens(onset_ns, camera_, camera_); }
+
   const Camera& camera() const { return camera_; }
   std::uint64_t generation() const { return generation_; }
   const Map& map() const { return map_; }
@@ -65,6 +69,7 @@ class SlidingWindow {
   double medianDepthOf(const Segment& solution, const Keyframe& newest) const;
   int conditioningCount() const;
   void keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth, Segment* segment) const;
+  void takeGeneration(Segment* segment) const;
   std::vector<std::int64_t> solveWindow();
 
   SlidingWindowOptions options_;

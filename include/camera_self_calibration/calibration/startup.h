@@ -42,6 +42,10 @@ class Startup {
   /// Not usable until the next keyframe.
   void switchModel(const Camera& camera);
 
+  /// Starts again from a solution, such as that after a change of the lens: the next keyframes are
+  /// added to it.
+  void resume(const Camera& camera, const IntrinsicsMatrix& information, const Segment& solved);
+
   const Camera& camera() const { return camera_; }
   /// Solved; poses and depths of the chosen keyframes.
   const Segment& segment() const { return segment_; }

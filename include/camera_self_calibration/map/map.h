@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -44,6 +45,18 @@ class Map {
   void addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks,
                    double new_inverse_depth, const Camera& camera);
 
+  /// The physical camera changed: keyframes before this stamp keep the intrinsics `earlier`. Those
+  /// from before the change before it are forgotten.
+  void changeLens(std::int64_t onset_ns, const Camera& earlier, const Camera& present);
+
+  /// The intrinsics that a keyframe was taken with; `present` since the last change.
+  const Camera& cameraOf(const Keyframe& keyframe, const Camera& present) const {
+    return earlier_camera_ && keyframe.stamp_ns < change_ns_ ? *earlier_camera_ : present;
+  }
+
+  /// How many keyframes have this stamp or a later one.
+  int keyframesSince(std::int64_t stamp_ns) const;
+
   /// Removes landmarks altogether.
   void removePoints(const std::vector<std::int64_t>& track_ids);
   void clear();
@@ -82,6 +95,8 @@ class Map {
   int max_keyframes_;
   bool exact_references_;
   std::deque<Keyframe> keyframes_;
+  std::shared_ptr<const Camera> earlier_camera_;  // of keyframes before change_ns_; null: no change
+  std::int64_t change_ns_ = 0;
   std::map<std::int64_t, Point> points_;  // by track id: ordered, so that results are repeatable
 };
 

@@ -6,10 +6,12 @@
 #include <vector>
 
 #include "camera_self_calibration/calibration/candidate_window.h"
+#include "camera_self_calibration/calibration/change_detector.h"
 #include "camera_self_calibration/calibration/health.h"
 #include "camera_self_calibration/calibration/model_choice.h"
 #include "camera_self_calibration/calibration/queue_estimate.h"
 #include "camera_self_calibration/calibration/segment_queue.h"
+#include "camera_self_calibration/calibration/setting_archive.h"
 #include "camera_self_calibration/calibration/startup.h"
 #include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
@@ -63,7 +65,13 @@ class BackEnd {
   void considerModel(const KeyframeMessage& message);
   void switchModel(const Camera& camera, const std::vector<Segment>& observed);
   void clearQueue();
-  void offerCandidate(const KeyframeMessage& message);
+  // In lens_epochs.cpp: what the watch over the lens leads to.
+  void considerCandidate(const KeyframeMessage& message, std::vector<Event>* events);
+  void changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events);
+  void followDrift(const ChangeVerdict& verdict);
+  void recallSetting(std::vector<Event>* events);
+  double convergedRms() const { return options_.convergedRms(report_.camera.width()); }
+  void adoptStartup();
   bool offer(const Candidate& candidate);
   BackEndOutput finish(BackEndOutput output);
   void solveQueue();
@@ -78,6 +86,9 @@ class BackEnd {
   SegmentQueue queue_;
   QueueEstimate estimate_;
   QueueSolution solution_;
+  ChangeDetector detector_;
+  SettingArchive settings_;          // of earlier epochs
+  std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch
   bool handed_over_ = false;
   bool changed_ = false;  // the estimate, by the newest keyframe
   std::string obstacle_;  // to hand-over

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "camera_self_calibration/calibration/innovation_monitor.h"
 #include "camera_self_calibration/calibration/sliding_window.h"
 #include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
@@ -31,6 +32,8 @@ struct CalibrationUpdate {
   bool handed_over = false;
   /// Startup: poses and depths solved together with the intrinsics.
   std::optional<Segment> solution;
+  std::uint64_t epoch = 0;
+  std::int64_t onset_ns = 0;  ///< Of the epoch: stamp of the first keyframe with the present lens.
 };
 
 /// From the front end to the back end, at a keyframe.
@@ -39,6 +42,8 @@ struct KeyframeMessage {
   std::int64_t keyframes = 0;  ///< Count since the start.
   Segment candidate;           ///< The last n keyframes.
   Segment history;             ///< For the startup batch; empty after hand-over.
+  /// When the tracks began to fit less well than usual [ns]; 0: they do not (InnovationMonitor).
+  std::int64_t suspected_onset_ns = 0;
 };
 
 struct FrontEndOutput {
@@ -75,13 +80,18 @@ class FrontEnd {
  private:
   void locate(const TrackedFrame& frame, FrontEndOutput* output);
   void makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected, FrontEndOutput* output);
+  void watchLens(const TrackedFrame& frame, const PoseEstimate& pose);
+  KeyframeMessage keyframeMessage() const;
   void resumeTracking(const TrackedFrame& frame, FrontEndOutput* output);
   void missPose(const TrackedFrame& frame, FrontEndOutput* output);
 
   Options options_;
   SlidingWindow window_;
   KeyframeRule keyframe_rule_;
+  InnovationMonitor monitor_;
   bool handed_over_ = false;
+  std::uint64_t epoch_ = 0;
+  std::int64_t epoch_onset_ns_ = 0;
   std::int64_t keyframes_ = 0;
   std::uint64_t map_id_ = 0;
   TrackingState state_ = TrackingState::kInitializing;

@@ -38,8 +38,10 @@ struct Options {
   /// pixel uncertainty.
   double handover_entropy = -std::numeric_limits<double>::infinity();
   double converged_pixel_rms = 0.0;  ///< CONVERGED below this [px]; 0: 1 px per 640 px of width.
-  int solver_threads = 1;            ///< For the segments of a joint solve; result independent.
-  int max_queued_images = 2;         ///< Live: images waiting before the oldest is dropped.
+  /// Alarms of the change detection per hour while nothing changes; 0: no alarm ever.
+  double false_alarms_per_hour = 0.1;
+  int solver_threads = 1;     ///< For the segments of a joint solve; result independent.
+  int max_queued_images = 2;  ///< Live: images waiting before the oldest is dropped.
 
   /// rms uncertainty that counts as converged for an image of this width [px].
   double convergedRms(int width) const;

@@ -71,6 +71,9 @@ struct CalibrationReport {
   double entropy = 0.0;         ///< Of the estimate, normalised as the segments' [nats].
   std::uint64_t revision = 0;   ///< Grows with each new estimate.
   std::uint64_t epoch = 0;      ///< Grows with each change of the physical camera.
+  /// Of the newest test whether the lens is still the same; 1 where there was none.
+  double change_p_value = 1.0;
+  std::string last_change;  ///< What the last change of the lens was; empty if there was none.
   bool handed_over = false;     ///< From the startup batch to the queue.
   bool frozen = false;          ///< Kept as it is on request.
   std::int64_t keyframes = 0;   ///< Seen so far.
@@ -84,6 +87,9 @@ struct Event {
   std::int64_t stamp_ns = 0;        ///< Of the image that raised it.
   std::int64_t onset_stamp_ns = 0;  ///< Dated start of a change; else equal to stamp_ns.
   std::string sentence;
+  std::uint64_t epoch = 0;    ///< Of the calibration after the event.
+  double magnitude_px = 0.0;  ///< kCalibrationChange: pixelDistance of the lens before and after.
+  double p_value = 1.0;       ///< kCalibrationChange: probability of so much by chance.
 };
 
 }  // namespace camera_self_calibration

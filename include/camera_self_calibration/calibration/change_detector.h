@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/calibration/agreement.h"
+#include "camera_self_calibration/calibration/candidate_window.h"
+#include "camera_self_calibration/calibration/lens_change.h"
+#include "camera_self_calibration/calibration/queue_estimate.h"
+
+namespace camera_self_calibration {
+
+/// What a keyframe said of whether the camera is still the one that the queue describes.
+struct ChangeVerdict {
+  enum class Kind {
+    kSame,     ///< Nothing speaks against it.
+    kDoubt,    ///< Not decided: what is seen now must not enter the queue.
+    kBadData,  ///< Fits no lens: says nothing, and must not enter the queue either.
+    kDrift,    ///< The lens changed slowly: segments that describe the past should go.
+    kChange    ///< The lens changed at onset_ns: an alarm.
+  };
+  Kind kind = Kind::kSame;
+  double p_value = 1.0;             ///< Of the decisive statistic.
+  std::int64_t onset_ns = 0;        ///< kChange: stamp of the first keyframe after the change.
+  Camera camera;                    ///< kChange, kDrift: the estimate for what is seen now.
+  IntrinsicsMatrix information;     ///< Of `camera`, n_c x n_c.
+  Segment segment;                  ///< kChange: the newest stretch, solved; may begin earlier.
+  std::vector<Candidate> recent;    ///< kChange, kDrift: disjoint stretches after the change.
+  std::vector<std::int64_t> stale;  ///< kDrift: sequences of the queue's segments to retire.
+  std::string reason;               ///< In words, but for kSame.
+};
+
+/// Tells whether the intrinsics changed, with a stated rate of false alarms. Fast: a suspicion from
+/// the frames' innovations, confirmed by a likelihood ratio over the newest window with the lens
+/// before the suspected onset held (testLensChange). Slow: disjoint windows, one by one and the
+/// newest two, four and eight together, against the queue without what overlaps them (agreement).
+/// Every keyframe spends the share `rate * interval / 3600 s` of the allowed false alarms, over all
+/// its tests (Bonferroni).
+class ChangeDetector {
+ public:
+  /// Alarms per hour while nothing changes; 0: never any alarm.
+  explicit ChangeDetector(double false_alarms_per_hour) : rate_(false_alarms_per_hour) {}
+
+  /// A keyframe's window as it came (`window`) and as a solved candidate; `suspected_onset_ns` is
+  /// that of InnovationMonitor, 0 for none.
+  ChangeVerdict examine(const Segment& window, const Candidate& candidate,
+                        std::int64_t suspected_onset_ns, const QueueEstimate& queue,
+                        const QueueSolution& solution);
+
+  /// Forgets what was seen, at the beginning of an epoch.
+  void reset() { recent_.clear(); }
+
+  /// p-value below which the newest keyframe's tests raise an alarm.
+  double limit() const;
+
+ private:
+  struct Stretch {
+    Candidate candidate;
+    Evidence evidence;
+  };
+
+  void measureInterval(std::int64_t stamp_ns);
+  ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
+                              const Reference& reference) const;
+  void remember(const Candidate& candidate, const Evidence& evidence);
+  ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;
+  ChangeVerdict explain(const Reference& reference, double p_value,
+                        const QueueEstimate& queue) const;
+
+  double rate_;
+  double interval_s_ = 0.3;  // between keyframes, running mean
+  std::int64_t last_stamp_ns_ = 0;
+  double usual_residual_scale_ = 1.0;
+  std::deque<Stretch> recent_;  // disjoint, in the order of time
+};
+
+}  // namespace camera_self_calibration

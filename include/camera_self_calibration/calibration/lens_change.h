@@ -1,0 +1,33 @@
+#pragma once
+
+#include "camera_self_calibration/calibration/agreement.h"
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/map/segment.h"
+
+namespace camera_self_calibration {
+
+/// The hypothesis that the lens changed within a stretch of video, against the one that it did not.
+struct LensChange {
+  bool usable = false;           ///< There is a solution.
+  Segment segment;               ///< Solved under the change, outliers removed.
+  Camera camera;                 ///< After the change.
+  IntrinsicsMatrix information;  ///< Of `camera`, given the one before.
+  double residual_scale = 1.0;   ///< Under the change, against the tracker's own sigma.
+  /// Likelihood ratio against one lens throughout, the reference's uncertainty considered; the
+  /// smaller of its exact value and its quadratic approximation. Chi-square with n_c degrees of
+  /// freedom if nothing changed.
+  double statistic = 0.0;
+  double p_value = 1.0;
+};
+
+/// Solves the stretch with the reference's intrinsics for its first `earlier_keyframes` keyframes
+/// (0: none) and free ones for the others, and compares with one set of intrinsics for all. The
+/// known structure makes few keyframes after a change suffice.
+LensChange testLensChange(const Segment& segment, int earlier_keyframes,
+                          const Reference& reference);
+
+/// The most likely time of a change within the stretch: how many of its keyframes came before it
+/// (0: the whole stretch shows another lens than the reference), each tried and the costs compared.
+int dateLensChange(const Segment& segment, const Reference& reference);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,205 @@
+#include "camera_self_calibration/calibration/change_detector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include "camera_self_calibration/calibration/change_course.h"
+#include "camera_self_calibration/geometry/median.h"
+
+namespace camera_self_calibration {
+namespace {
+
+using Kind = ChangeVerdict::Kind;
+
+constexpr double kTestsPerKeyframe = 5.0;  // one fast, one of the window, three of the pools
+constexpr double kDoubt = 1e-2;            // p-value below which nothing enters the queue
+constexpr double kUnfounded = 0.1;         // p-value above which a suspicion was for nothing
+constexpr int kMinLaterKeyframes = 3;      // after a suspected onset, to decide
+constexpr int kMinEarlierKeyframes = 2;    // before it, for their structure to be of use
+constexpr std::size_t kStretches = 16;
+constexpr std::size_t kPools[] = {2, 4, 8};
+constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a drift made stale
+// Residual scale, over that of the queue's segments, of data that fit no lens.
+constexpr double kMaxMisfit = 2.0;
+
+std::string withP(const char* text, double p_value) {
+  char buffer[200];
+  std::snprintf(buffer, sizeof(buffer), "%s (p = %.1e)", text, p_value);
+  return buffer;
+}
+
+double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+int keyframesBefore(const Segment& window, std::int64_t onset_ns) {
+  int count = 0;
+  for (const Keyframe& keyframe : window.keyframes) count += keyframe.stamp_ns < onset_ns;
+  return count;
+}
+
+double usualResidualScale(const QueueEstimate& queue) {
+  std::vector<double> scales;
+  for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.residual_scale);
+  return std::max(1.0, median(std::move(scales), 1.0));
+}
+
+// Those that disagree with what the lens has become.
+std::vector<std::int64_t> staleSegments(const ChangeCourse& course, const QueueEstimate& queue) {
+  const Reference now{course.camera, course.information, 1.0, 0};
+  std::vector<std::int64_t> stale;
+  for (const Candidate& candidate : queue.candidates()) {
+    const auto said = evidenceAt(now.camera, candidate.segment, candidate.sigma_scale);
+    if (!said || agreement({*said}, now).p_value < kDoubt) {
+      stale.push_back(candidate.segment.sequence);
+    }
+  }
+  return stale;
+}
+
+}  // namespace
+
+double ChangeDetector::limit() const { return rate_ * interval_s_ / 3600.0 / kTestsPerKeyframe; }
+
+void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
+  const double interval = std::clamp(seconds(stamp_ns - last_stamp_ns_), 0.02, 2.0);
+  if (last_stamp_ns_ > 0) interval_s_ += 0.1 * (interval - interval_s_);
+  last_stamp_ns_ = stamp_ns;
+}
+
+ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& candidate,
+                                      std::int64_t suspected_onset_ns, const QueueEstimate& queue,
+                                      const QueueSolution& solution) {
+  measureInterval(window.endNs());
+  usual_residual_scale_ = usualResidualScale(queue);
+  ChangeVerdict verdict;
+  const auto reference = referenceWithout(window.beginNs(), window.endNs(), queue, solution);
+  if (!reference || window.keyframes.empty()) return verdict;
+  const int keyframes = static_cast<int>(window.keyframes.size());
+  const int earlier = keyframesBefore(window, suspected_onset_ns);
+  const bool suspected = suspected_onset_ns > 0 && earlier > 0;
+  if (suspected) {
+    if (keyframes - earlier >= kMinLaterKeyframes && earlier >= kMinEarlierKeyframes) {
+      verdict = examineWindow(window, earlier, *reference);
+      if (verdict.kind == Kind::kSame && verdict.p_value > kUnfounded) return verdict;
+    }
+    if (verdict.kind == Kind::kSame) {
+      verdict.kind = Kind::kDoubt;
+      verdict.reason = "the tracks fit less well than usual: this is being looked into";
+    }
+    return verdict;
+  }
+  if (candidate.information.size() == 0) return verdict;
+  if (candidate.residual_scale > kMaxMisfit * usual_residual_scale_) {
+    verdict.kind = Kind::kBadData;
+    verdict.reason = "the tracks fit no lens well";
+    return verdict;
+  }
+  const auto evidence =
+      evidenceAt(reference->camera, restarted(candidate.segment, window), candidate.sigma_scale);
+  if (!evidence) return verdict;
+  if (!recent_.empty() && recent_.back().evidence.point.size() != evidence->point.size()) {
+    recent_.clear();  // of another lens model
+  }
+  const Agreement single = agreement({*evidence}, *reference);
+  verdict.p_value = single.p_value;
+  if (single.p_value < limit()) {
+    verdict = examineWindow(window, 0, *reference);
+    if (verdict.kind != Kind::kSame) return verdict;
+  }
+  remember(candidate, *evidence);
+  if (recent_.back().candidate.segment.sequence == candidate.segment.sequence) {
+    const ChangeVerdict pooled = examineRecent(queue, solution);
+    if (pooled.kind != Kind::kSame) return pooled;
+  }
+  if (verdict.kind == Kind::kSame && single.p_value < kDoubt) {
+    verdict.kind = Kind::kDoubt;
+    verdict.reason = withP("it disagrees with the queue", single.p_value);
+  }
+  return verdict;
+}
+
+// The newest window under a change before keyframe `earlier_keyframes`; where it speaks of one,
+// under the most likely change.
+ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_keyframes,
+                                            const Reference& reference) const {
+  ChangeVerdict verdict;
+  LensChange change = testLensChange(window, earlier_keyframes, reference);
+  if (change.usable && change.p_value < limit()) {
+    const int dated = dateLensChange(window, reference);
+    if (dated != earlier_keyframes) change = testLensChange(window, dated, reference);
+    earlier_keyframes = dated;
+  }
+  verdict.p_value = change.usable ? change.p_value : kDoubt;
+  if (!change.usable || change.p_value >= kDoubt) return verdict;
+  const int later = static_cast<int>(window.keyframes.size()) - earlier_keyframes;
+  verdict.kind = Kind::kDoubt;
+  verdict.reason = withP("another lens would explain it better", change.p_value);
+  if (change.residual_scale > kMaxMisfit * usual_residual_scale_) {
+    verdict.kind = Kind::kBadData;
+    verdict.reason = "the tracks fit no lens well";
+  } else if (change.p_value < limit() && later >= kMinLaterKeyframes) {
+    verdict.kind = Kind::kChange;
+    verdict.reason = withP("the lens changed", change.p_value);
+    verdict.onset_ns = window.keyframes[earlier_keyframes].stamp_ns;
+    verdict.camera = change.camera;
+    verdict.information = change.information;
+    verdict.segment = std::move(change.segment);
+  }
+  return verdict;
+}
+
+void ChangeDetector::remember(const Candidate& candidate, const Evidence& evidence) {
+  if (!recent_.empty() && candidate.segment.beginNs() <= recent_.back().evidence.end_ns) return;
+  recent_.push_back({candidate, evidence});
+  if (recent_.size() > kStretches) recent_.pop_front();
+}
+
+ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
+                                            const QueueSolution& solution) const {
+  ChangeVerdict doubt;
+  for (const std::size_t count : kPools) {
+    if (recent_.size() < count) break;
+    std::vector<Evidence> pool;
+    for (std::size_t i = recent_.size() - count; i < recent_.size(); ++i) {
+      pool.push_back(recent_[i].evidence);
+    }
+    const auto reference =
+        referenceWithout(pool.front().begin_ns, pool.back().end_ns, queue, solution);
+    if (!reference) break;
+    const double p_value = agreement(pool, *reference).p_value;
+    if (p_value < limit()) return explain(*reference, p_value, queue);
+    if (p_value < kDoubt && doubt.kind == Kind::kSame) {
+      doubt.kind = Kind::kDoubt;
+      doubt.p_value = p_value;
+      doubt.reason = withP("the newest stretches disagree with the queue", p_value);
+    }
+  }
+  return doubt;
+}
+
+ChangeVerdict ChangeDetector::explain(const Reference& reference, double p_value,
+                                      const QueueEstimate& queue) const {
+  std::vector<Evidence> stretches;
+  for (const Stretch& stretch : recent_) stretches.push_back(stretch.evidence);
+  const ChangeCourse course = courseOfChange(stretches, reference);
+  ChangeVerdict verdict;
+  verdict.p_value = p_value;
+  verdict.reason = withP(course.gradual ? "the lens drifts slowly" : "the lens changed", p_value);
+  verdict.kind = !course.camera.valid() ? Kind::kDoubt
+                 : course.gradual       ? Kind::kDrift
+                                        : Kind::kChange;
+  verdict.onset_ns = stretches[course.first].begin_ns;
+  verdict.camera = course.camera;
+  verdict.information = course.information;
+  verdict.segment = recent_.back().candidate.segment;
+  const std::size_t newest = recent_.size() - std::min(kFollowed, recent_.size());
+  for (std::size_t i = course.gradual ? std::max(newest, course.first) : course.first;
+       i < recent_.size(); ++i) {
+    if (recent_[i].candidate.well_posed) verdict.recent.push_back(recent_[i].candidate);
+  }
+  if (verdict.kind == Kind::kDrift) verdict.stale = staleSegments(course, queue);
+  return verdict;
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,109 @@
+#include "camera_self_calibration/calibration/lens_change.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "camera_self_calibration/calibration/segment_fit.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/solver.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr int kMinLandmarks = 20;
+
+Camera withEstimated(const Camera& camera, const Intrinsics& values) {
+  Camera result = camera;
+  Intrinsics parameters = camera.parameters();
+  parameters.head(values.size()) = values;
+  result.setParameters(parameters);
+  return result;
+}
+
+// The robust cost of one lens throughout.
+double costOfOneLens(Segment segment, const Camera& lens, double sigma_scale) {
+  if (segment.earlier_camera) segment.earlier_camera = std::make_shared<const Camera>(lens);
+  Camera held = lens;
+  Problem problem{&held, false, {freeBlock(&segment, lens)}};
+  problem.blocks[0].sigma_scale = sigma_scale;
+  SolverOptions options;
+  options.step_tolerance = 1e-3;
+  options.cost_tolerance = 1e-7;
+  const SolveSummary summary = solve(problem, options);
+  return summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
+}
+
+// The robust cost of the stretch with a change after so many keyframes.
+double costOfChange(Segment segment, int earlier_keyframes, const Camera& reference) {
+  if (earlier_keyframes > 0) {
+    segment.earlier_camera = std::make_shared<const Camera>(reference);
+    segment.earlier_keyframes = earlier_keyframes;
+  }
+  Camera camera = reference;
+  const Problem problem{&camera, true, {freeBlock(&segment, camera)}};
+  SolverOptions options;
+  options.step_tolerance = 1e-2;
+  options.cost_tolerance = 1e-4;
+  const SolveSummary summary = solve(problem, options);
+  return summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+int dateLensChange(const Segment& segment, const Reference& reference) {
+  int best = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < static_cast<int>(segment.keyframes.size()); ++k) {
+    const double cost = costOfChange(segment, k, reference.camera);
+    if (!(cost < least)) continue;
+    least = cost;
+    best = k;
+  }
+  return best;
+}
+
+LensChange testLensChange(const Segment& segment, int earlier_keyframes,
+                          const Reference& reference) {
+  LensChange change;
+  change.segment = segment;
+  change.camera = reference.camera;
+  if (earlier_keyframes > 0) {
+    change.segment.earlier_camera = std::make_shared<const Camera>(reference.camera);
+    change.segment.earlier_keyframes = earlier_keyframes;
+  }
+  const SegmentFit fit = fitSegment(SegmentFitOptions(), &change.segment, &change.camera);
+  if (!fit.usable || !change.camera.valid() ||
+      static_cast<int>(change.segment.landmarks.size()) < kMinLandmarks) {
+    return change;
+  }
+  change.residual_scale = fit.residual_scale;
+  const double sigma_scale = fit.marginal.sigmaScale() * reference.inflation;
+  change.information = fit.marginal.information / (sigma_scale * sigma_scale);
+  const int count = change.camera.estimatedCount();
+  Evidence evidence;
+  evidence.point = change.camera.parameters().head(count);
+  evidence.gradient = Intrinsics::Zero(count);
+  evidence.information = change.information * (reference.inflation * reference.inflation);
+  const double quadratic = agreement({evidence}, reference).statistic;
+  const Intrinsics between = compromise({evidence}, reference);
+  const Camera lens = withEstimated(reference.camera, between);
+  if (!lens.valid()) return change;
+  SegmentBlock block = freeBlock(&change.segment, change.camera);
+  block.sigma_scale = sigma_scale;
+  const double free_cost = robustCost(block, change.camera, SolverOptions().huber);
+  // From the state before and from that under the change: a wrong minimum would feign a change.
+  const double held_cost =
+      std::min(costOfOneLens(restarted(change.segment, segment), lens, sigma_scale),
+               costOfOneLens(change.segment, lens, sigma_scale));
+  const Intrinsics off = between - reference.camera.parameters().head(count);
+  const double exact = 2.0 * (held_cost - free_cost) + off.dot(reference.information * off);
+  change.statistic = std::max(0.0, std::min(quadratic, exact));
+  change.p_value = pValue(change.statistic, reference);
+  change.usable = true;
+  return change;
+}
+
+}  // namespace camera_self_calibration

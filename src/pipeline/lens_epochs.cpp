@@ -1,0 +1,102 @@
+// What the watch over the lens leads to: the part of BackEnd that begins epochs.
+
+#include <cstdio>
+#include <optional>
+#include <string>
+
+#include "camera_self_calibration/pipeline/back_end.h"
+
+namespace camera_self_calibration {
+namespace {
+
+std::string describe(const Event& event) {
+  char buffer[120];
+  std::snprintf(buffer, sizeof(buffer), ": by %.2f px rms over the image, %.1f s ago",
+                event.magnitude_px,
+                1e-9 * static_cast<double>(event.stamp_ns - event.onset_stamp_ns));
+  return buffer;
+}
+
+}  // namespace
+
+void BackEnd::considerCandidate(const KeyframeMessage& message, std::vector<Event>* events) {
+  report_.queue.last_accepted = false;
+  if (message.candidate.beginNs() < epoch_onset_ns_) {
+    report_.queue.last_decision = "discarded: it straddles the change of the lens";
+    return;
+  }
+  const Candidate candidate =
+      evaluateCandidate(CandidateOptions(), message.candidate, report_.camera);
+  ChangeVerdict verdict;
+  if (handed_over_) {
+    verdict = detector_.examine(message.candidate, candidate, message.suspected_onset_ns, estimate_,
+                                solution_);
+  }
+  report_.change_p_value = verdict.p_value;
+  switch (verdict.kind) {
+    case ChangeVerdict::Kind::kSame:
+      if (offer(candidate)) solveQueue();
+      break;
+    case ChangeVerdict::Kind::kDoubt:
+    case ChangeVerdict::Kind::kBadData:
+      report_.queue.last_decision = "held back: " + verdict.reason;
+      break;
+    case ChangeVerdict::Kind::kDrift:
+      followDrift(verdict);
+      break;
+    case ChangeVerdict::Kind::kChange:
+      changeEpoch(verdict, events);
+      break;
+  }
+}
+
+// The present estimate goes on from what the alarm knows; the map, the poses and the queue of the
+// epoch that ends keep their intrinsics.
+void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events) {
+  settings_.store({report_.epoch, queue_, estimate_, solution_});
+  Event event{EventType::kCalibrationChange, report_.stamp_ns, verdict.onset_ns, verdict.reason};
+  event.magnitude_px = pixelDistance(report_.camera, verdict.camera).rms;
+  event.p_value = verdict.p_value;
+  event.sentence += describe(event);
+  events->push_back(event);
+  report_.last_change = event.sentence;
+  ++report_.epoch;
+  epoch_onset_ns_ = verdict.onset_ns;
+  handed_over_ = report_.handed_over = false;
+  report_.state = CalibrationState::kInitializing;
+  clearQueue();
+  detector_.reset();
+  startup_.resume(verdict.camera, verdict.information, verdict.segment);
+  adoptStartup();
+  changed_ = true;
+  for (const Candidate& candidate : verdict.recent) offer(candidate);
+  if (!estimate_.candidates().empty()) solveQueue();
+  report_.queue.last_decision = "the queue of the lens before the change was put away";
+}
+
+void BackEnd::followDrift(const ChangeVerdict& verdict) {
+  queue_.remove(verdict.stale);
+  estimate_.remove(verdict.stale);
+  for (const Candidate& candidate : verdict.recent) offer(candidate);
+  report_.camera = verdict.camera;  // where the solve starts
+  if (!estimate_.candidates().empty()) solveQueue();
+  report_.queue.last_decision = verdict.reason + ": " + std::to_string(verdict.stale.size()) +
+                                " segments that describe its past were retired";
+}
+
+void BackEnd::recallSetting(std::vector<Event>* events) {
+  if (!startup_.usable() || !(report_.uncertainty.rms < convergedRms())) return;
+  const std::optional<Setting> setting =
+      settings_.recall(startup_.camera(), startup_.information(), convergedRms());
+  if (!setting) return;
+  queue_ = setting->queue;
+  estimate_ = setting->estimate;
+  solution_ = setting->solution;
+  handed_over_ = report_.handed_over = true;
+  adoptSolution();
+  events->push_back({EventType::kHandover, report_.stamp_ns, report_.stamp_ns,
+                     "the lens is back at a setting known from epoch " +
+                         std::to_string(setting->epoch) + ": its queue is in use again"});
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,260 @@
+// Change detection on simulated feature tracks.
+//   change_benchmark delays TRIALS [FIRST_SEED]         delay by kind and size of the change
+//   change_benchmark alarms HOURS RATE [FIRST_SEED]     alarms while nothing changes
+// Trials of different seeds are independent: several processes may share the work.
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "benchmark/random_lens.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/pipeline/self_calibrator.h"
+#include "camera_self_calibration/simulation/feature_tracks.h"
+#include "camera_self_calibration/simulation/room.h"
+#include "camera_self_calibration/simulation/synthetic_motion.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr std::int64_t kStartNs = 1000000000;
+
+struct Scenario {
+  CameraModel model = CameraModel::kFov;
+  std::uint64_t seed = 1;
+  double rate_hz = 10.0;
+  double duration_s = 75.0;
+  double motion_speed = 0.6;
+  double pixel_sigma = 0.15;
+  int features = 100;
+  double false_alarms_per_hour = 0.1;
+};
+
+struct Outcome {
+  std::vector<Event> changes;
+  CalibrationReport report;
+  Camera truth;
+  double worst_distance_px = 0.0;  // of the estimate while CONVERGED, from the truth then
+  bool converged_at_change = false;
+  std::vector<double> p_values;  // of each keyframe's test
+};
+
+using LensOverTime = std::function<Camera(double)>;
+
+FeatureTracks tracksOf(const Scenario& scenario, const Camera& camera, const LensOverTime& lens) {
+  RoomOptions room;
+  room.seed = scenario.seed + 1;
+  World world = makeRoom(room);
+  SyntheticMotionOptions motion;
+  motion.seed = scenario.seed + 2;
+  motion.duration_s = scenario.duration_s;
+  motion.speed = scenario.motion_speed;
+  motion.box = world.free_space;
+  FeatureTracksOptions options;
+  options.seed = scenario.seed + 3;
+  options.max_features = scenario.features;
+  options.pixel_sigma = scenario.pixel_sigma;
+  options.outlier_share = 0.01;
+  options.start_stamp_ns = kStartNs;
+  return FeatureTracks(std::move(world), Lens{camera, std::nullopt, 1.0, lens},
+                       syntheticMotion(motion), options);
+}
+
+Outcome runScenario(const Scenario& scenario, const Camera& camera, const LensOverTime& lens,
+                    double change_s) {
+  FeatureTracks tracks = tracksOf(scenario, camera, lens);
+  Options options;
+  options.model = scenario.model;
+  options.false_alarms_per_hour = scenario.false_alarms_per_hour;
+  options.tracker.max_features = scenario.features;
+  Outcome outcome;
+  Callbacks callbacks;
+  callbacks.event = [&](const Event& event) {
+    if (event.type == EventType::kCalibrationChange) outcome.changes.push_back(event);
+  };
+  callbacks.calibration = [&](const CalibrationReport& report) {
+    if (report.change_p_value < 1.0) outcome.p_values.push_back(report.change_p_value);
+  };
+  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
+  const int frames = static_cast<int>(scenario.duration_s * scenario.rate_hz);
+  for (int i = 0; i < frames; ++i) {
+    const double time = i / scenario.rate_hz;
+    const TrackedFrame frame = tracks.track(kStartNs + static_cast<std::int64_t>(1e9 * time));
+    calibrator.processTracks(frame, [&] { return tracks.detect(); });
+    const bool converged = calibrator.calibration().state == CalibrationState::kConverged;
+    if (time < change_s) outcome.converged_at_change = converged;
+    outcome.truth = tracks.cameraAt(frame.stamp_ns);
+    if (i % 10 == 0 && converged) {
+      const double distance = pixelDistance(outcome.truth, calibrator.calibration().camera).rms;
+      outcome.worst_distance_px = std::max(outcome.worst_distance_px, distance);
+    }
+  }
+  outcome.report = calibrator.calibration();
+  return outcome;
+}
+
+Camera changed(const Camera& camera, const std::function<void(Intrinsics*)>& change) {
+  Intrinsics parameters = camera.parameters();
+  change(&parameters);
+  Camera result = camera;
+  result.setParameters(parameters);
+  return result;
+}
+
+struct Kind {
+  const char* name;
+  std::function<void(Intrinsics*, double amount)> apply;
+  double amount;
+  double limit_s;
+  double drift_s;  // 0: a jump
+};
+
+void scaleFocal(Intrinsics* p, double amount) { p->head<2>() *= 1.0 + amount; }
+void shiftCentre(Intrinsics* p, double amount) { (*p)(2) += amount; }
+// Of a lens with distortion, its first coefficient; of fov, w; pinhole has none.
+void bendMore(Intrinsics* p, double amount) {
+  if (p->size() > 4) (*p)(4) += p->size() == 5 ? -amount : amount;
+}
+
+std::vector<Kind> kinds() {
+  return {{"focal +10 %", scaleFocal, 0.10, 2.0, 0.0},
+          {"focal -10 %", scaleFocal, -0.10, 2.0, 0.0},
+          {"focal +3 %", scaleFocal, 0.03, 5.0, 0.0},
+          {"focal +1 %", scaleFocal, 0.01, 30.0, 0.0},
+          {"centre 10 px", shiftCentre, 10.0, 5.0, 0.0},
+          {"distortion 0.03", bendMore, 0.03, 5.0, 0.0},
+          {"drift 1 % in 60 s", scaleFocal, 0.01, 60.0, 60.0}};
+}
+
+void printRow(const Kind& kind, CameraModel model, int trials, const std::vector<double>& delays,
+              int in_time, int early, const std::vector<double>& errors, double worst) {
+  std::vector<double> sorted = delays;
+  std::sort(sorted.begin(), sorted.end());
+  std::vector<double> error = errors;
+  std::sort(error.begin(), error.end());
+  std::printf("%-18s %-12s %3d trials: noticed %3zu, within %2.0f s %3d, before the change %d; ",
+              kind.name, toString(model).c_str(), trials, delays.size(), kind.limit_s, in_time,
+              early);
+  if (!sorted.empty()) {
+    std::printf("delay median %.2f s, worst %.2f s; ", sorted[sorted.size() / 2], sorted.back());
+  }
+  if (!error.empty()) {
+    std::printf("error at the end median %.2f px, worst %.2f px, while CONVERGED %.2f px",
+                error[error.size() / 2], error.back(), worst);
+  }
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_t first_seed) {
+  constexpr double kChangeS = 30.0;
+  std::vector<double> delays, errors;
+  int in_time = 0, early = 0, ready = 0;
+  double worst = 0.0;
+  for (int i = 0; i < trials; ++i) {
+    Scenario scenario;
+    scenario.model = model;
+    scenario.seed = first_seed + 100 * i;
+    scenario.duration_s = kChangeS + kind.limit_s + 15.0;
+    const Camera camera = randomLens(model, 640, 480, scenario.seed).camera;
+    const auto lens = [&](double t) {
+      const double share = kind.drift_s > 0.0 ? std::clamp((t - kChangeS) / kind.drift_s, 0.0, 1.0)
+                                              : (t >= kChangeS ? 1.0 : 0.0);
+      return changed(camera, [&](Intrinsics* p) { kind.apply(p, share * kind.amount); });
+    };
+    const Outcome outcome = runScenario(scenario, camera, lens, kChangeS);
+    if (!outcome.converged_at_change) continue;
+    ++ready;
+    errors.push_back(pixelDistance(outcome.truth, outcome.report.camera).rms);
+    worst = std::max(worst, outcome.worst_distance_px);
+    for (const Event& event : outcome.changes) {
+      const double delay = 1e-9 * static_cast<double>(event.stamp_ns - kStartNs) - kChangeS;
+      early += delay < 0.0;
+      if (delay < 0.0) continue;
+      delays.push_back(delay);
+      in_time += delay <= kind.limit_s;
+      break;
+    }
+  }
+  printRow(kind, model, ready, delays, in_time, early, errors, worst);
+}
+
+int benchmarkDelays(int trials, std::uint64_t first_seed) {
+  for (const Kind& kind : kinds()) {
+    for (const CameraModel model : {CameraModel::kPinhole, CameraModel::kFov, CameraModel::kRadtan,
+                                    CameraModel::kEquidistant}) {
+      const bool no_distortion = model == CameraModel::kPinhole && kind.apply != nullptr &&
+                                 std::string(kind.name).rfind("distortion", 0) == 0;
+      if (!no_distortion) benchmarkKind(kind, model, trials, first_seed);
+    }
+  }
+  return 0;
+}
+
+// How often p-values are as small as they claim to be: at most in their own share of the tests.
+void printPValues(const std::vector<double>& p_values) {
+  std::printf("  p-values of %zu tests:", p_values.size());
+  for (const double limit : {0.5, 0.1, 0.01, 1e-3, 1e-4, 1e-5}) {
+    const auto below =
+        std::count_if(p_values.begin(), p_values.end(), [&](double p) { return p < limit; });
+    std::printf(" %ld below %g", static_cast<long>(below), limit);
+  }
+  std::printf("\n");
+}
+
+int benchmarkAlarms(double hours, double rate, std::uint64_t first_seed) {
+  constexpr double kChunkS = 600.0;
+  int alarms = 0;
+  std::vector<double> p_values;
+  double done = 0.0;
+  const int chunks = static_cast<int>(std::ceil(hours * 3600.0 / kChunkS));
+  for (int i = 0; i < chunks; ++i) {
+    Scenario scenario;
+    scenario.model = static_cast<CameraModel>(i % 4);
+    scenario.seed = first_seed + 100 * i;
+    scenario.rate_hz = 2.0;
+    scenario.motion_speed = 0.3;
+    scenario.duration_s = kChunkS;
+    scenario.features = 48;
+    scenario.false_alarms_per_hour = rate;
+    const Camera camera = randomLens(scenario.model, 640, 480, scenario.seed).camera;
+    const Outcome outcome = runScenario(scenario, camera, nullptr, 0.0);
+    alarms += static_cast<int>(outcome.changes.size());
+    done += kChunkS / 3600.0;
+    std::printf("%-12s seed %llu: %zu alarms, %s, error %.3f px; so far %d in %.2f h at %g/h\n",
+                toString(scenario.model).c_str(), static_cast<unsigned long long>(scenario.seed),
+                outcome.changes.size(), toString(outcome.report.state).c_str(),
+                pixelDistance(outcome.truth, outcome.report.camera).rms, alarms, done, rate);
+    p_values.insert(p_values.end(), outcome.p_values.begin(), outcome.p_values.end());
+    if (i % 6 == 5 || i + 1 == chunks) printPValues(p_values);
+    for (const Event& event : outcome.changes) std::printf("  %s\n", event.sentence.c_str());
+    std::fflush(stdout);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
+
+int main(int argc, char** argv) {
+  using namespace camera_self_calibration;
+  const std::string mode = argc > 2 ? argv[1] : "";
+  const auto number = [&](int i, double otherwise) {
+    return argc > i ? std::atof(argv[i]) : otherwise;
+  };
+  if (mode == "delays") {
+    return benchmarkDelays(std::atoi(argv[2]), static_cast<std::uint64_t>(number(3, 1)));
+  }
+  if (mode == "alarms" && argc > 3) {
+    return benchmarkAlarms(std::atof(argv[2]), std::atof(argv[3]),
+                           static_cast<std::uint64_t>(number(4, 1)));
+  }
+  std::fprintf(stderr,
+               "usage: change_benchmark delays TRIALS [FIRST_SEED]\n"
+               "       change_benchmark alarms HOURS RATE [FIRST_SEED]\n");
+  return 1;
+}

@@ -1,0 +1,115 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "calibration/change_samples.h"
+#include "pipeline/track_run.h"
+#include "sanitized.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kChangeS = 20.0;
+
+TrackRunOptions runWith(const std::function<Camera(double)>& lens) {
+  TrackRunOptions run;
+  run.rate_hz = 10.0;
+  run.max_features = 60;
+  run.lens = lens;
+  return run;
+}
+
+const Event* firstChange(const Record& record) {
+  for (const Event& event : record.events) {
+    if (event.type == EventType::kCalibrationChange) return &event;
+  }
+  return nullptr;
+}
+
+double since(std::int64_t stamp_ns) { return 1e-9 * static_cast<double>(stamp_ns) - 1.0; }
+
+TEST(Change, AZoomIsNoticedDatedAndLearntAnew) {
+  const auto cameras = ordinaryCameras();
+  for (std::size_t i = 0; i < (kSanitized ? 1 : cameras.size()); ++i) {
+    const Camera before = cameras[i];
+    const Camera after = zoomed(before, 1.10);
+    TrackRun run(before, optionsFor(before.model()),
+                 runWith([&](double t) { return t < kChangeS ? before : after; }));
+    run.run(270);
+    ASSERT_EQ(run.record.count(EventType::kCalibrationChange), 1) << toString(before.model());
+    const Event change = *firstChange(run.record);
+    EXPECT_NEAR(since(change.onset_stamp_ns), kChangeS, 0.3) << toString(before.model());
+    EXPECT_LT(since(change.stamp_ns), kChangeS + 2.0) << toString(before.model());
+    EXPECT_EQ(change.epoch, 1u);
+    EXPECT_NEAR(change.magnitude_px / pixelDistance(before, after).rms, 1.0, 0.1);
+    EXPECT_LT(change.p_value, 1e-5);  // the share of one keyframe of 0.1 alarms per hour
+    const CalibrationReport report = run.report();
+    EXPECT_EQ(report.epoch, 1u);
+    EXPECT_EQ(report.state, CalibrationState::kConverged) << report.sentence;
+    EXPECT_NEAR(report.camera.parameters()(0) / after.parameters()(0), 1.0, 0.003);
+    // The same map before and after.
+    EXPECT_EQ(run.record.frames.back().map_id, run.record.frames.front().map_id);
+    EXPECT_EQ(run.record.count(EventType::kLost), 0);
+  }
+}
+
+TEST(Change, PosesGoOnAcrossIt) {
+  const Camera before = ordinaryCameras()[1];
+  const Camera after = zoomed(before, 1.10);
+  TrackRun run(before, optionsFor(before.model()),
+               runWith([&](double t) { return t < kChangeS ? before : after; }));
+  run.run(260);
+  // Rotations since some frame before the change are right long after it.
+  const FrameResult& first = run.record.frames[150];
+  for (const std::size_t i : {195u, 230u, 259u}) {
+    const FrameResult& frame = run.record.frames[i];
+    const auto relative = [](const Rigid3& a, const Rigid3& b) { return a.inverse() * b; };
+    const Rigid3 estimate = relative(first.world_from_camera, frame.world_from_camera);
+    const Rigid3 truth = relative(run.tracks().worldFromCamera(first.stamp_ns),
+                                  run.tracks().worldFromCamera(frame.stamp_ns));
+    EXPECT_LT(estimate.rotation.angularDistance(truth.rotation), 0.03) << i;
+  }
+}
+
+TEST(Change, ASettingThatReturnsIsRecognised) {
+  const Camera before = ordinaryCameras()[1];
+  const Camera after = zoomed(before, 1.08);
+  TrackRun run(before, optionsFor(before.model()), runWith([&](double t) {
+                 return t < kChangeS || t > kChangeS + 15.0 ? before : after;
+               }));
+  run.run(420);
+  EXPECT_EQ(run.record.count(EventType::kCalibrationChange), 2);
+  bool recognised = false;
+  for (const Event& event : run.record.events) {
+    recognised = recognised || event.sentence.find("known from epoch 0") != std::string::npos;
+  }
+  EXPECT_TRUE(recognised);
+  EXPECT_EQ(run.report().state, CalibrationState::kConverged);
+  EXPECT_NEAR(run.report().camera.parameters()(0) / before.parameters()(0), 1.0, 0.002);
+}
+
+// Bad data: the lens is covered, or the scene moves for a while.
+TEST(Change, BadDataChangesNothing) {
+  const Camera truth = ordinaryCameras()[1];
+  TrackRun run(truth, optionsFor(truth.model()), runWith(nullptr));
+  ASSERT_TRUE(run.runUntilConverged(300));
+  run.run(60);
+  run.runBlind(30);
+  run.run(100);
+  EXPECT_EQ(run.record.count(EventType::kCalibrationChange), 0);
+  EXPECT_EQ(run.report().epoch, 0u);
+  EXPECT_LT(pixelDistance(truth, run.report().camera).rms, 0.5);
+}
+
+TEST(Change, IsNeverReportedAtARateOfZero) {
+  const Camera before = ordinaryCameras()[1];
+  const Camera after = zoomed(before, 1.10);
+  Options options = optionsFor(before.model());
+  options.false_alarms_per_hour = 0.0;
+  TrackRun run(before, options, runWith([&](double t) { return t < kChangeS ? before : after; }));
+  run.run(240);
+  EXPECT_EQ(run.record.count(EventType::kCalibrationChange), 0);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
