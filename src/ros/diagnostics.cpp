@@ -6,6 +6,12 @@ namespace camera_self_calibration {
 
 using diagnostic_msgs::DiagnosticStatus;
 
+namespace {
+
+constexpr double kSilence = 2.0;  // [s] From then on an old state is no news.
+
+}  // namespace
+
 Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                          const std::string& name, const CameraInfoPolicy* camera_info)
     : updater_(node, private_node, name), camera_info_(camera_info) {
@@ -49,6 +55,11 @@ void Diagnostics::setTopic(const std::string& topic) {
   topic_ = topic;
 }
 
+void Diagnostics::setFrameProblem(const std::string& problem) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  frame_problem_ = problem;
+}
+
 void Diagnostics::watch(const FactoryCalibration* factory_calibration) {
   factory_ = factory_calibration;
   updater_.add("factory calibration", this, &Diagnostics::factory);
@@ -71,6 +82,7 @@ void Diagnostics::update(const CalibrationReport& report) {
 void Diagnostics::update(const InputCounts& input) {
   const std::lock_guard<std::mutex> lock(mutex_);
   input_ = input;
+  last_image_ = ros::WallTime::now();
 }
 
 void Diagnostics::publish() { updater_.force_update(); }
@@ -81,18 +93,29 @@ bool Diagnostics::addProblems(Status* status) const {
   return true;
 }
 
+double Diagnostics::silence() const { return (ros::WallTime::now() - last_image_).toSec(); }
+
 void Diagnostics::tracking(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (addProblems(&status)) return;
-  if (input_.used == 0) {
-    status.summary(DiagnosticStatus::WARN, "No image has come yet.");
+  if (last_image_.isZero()) {
+    status.summary(DiagnosticStatus::WARN, "No image has come yet on " + topic_ +
+                                               ": is the camera running, and is the name right?");
     return;
   }
-  const bool tracking = frame_.state == TrackingState::kTracking;
-  status.summary(tracking ? DiagnosticStatus::OK : DiagnosticStatus::WARN, frame_.sentence);
   status.add("state", toString(frame_.state));
   status.add("map_id", frame_.map_id);
   status.add("tracks", frame_.tracks.tracks.size());
+  if (silence() > kSilence) {
+    status.summaryf(DiagnosticStatus::WARN, "No image for %.0f s, so that no pose is known.",
+                    silence());
+    return;
+  }
+  const bool tracking = frame_.state == TrackingState::kTracking;
+  const std::string name = tracking ? "" : toString(frame_.state) + ": ";
+  status.summary(tracking ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+                 name + frame_.sentence + ".");
+  if (!frame_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, frame_problem_);
 }
 
 void Diagnostics::calibration(Status& status) {
@@ -137,9 +160,17 @@ void Diagnostics::queue(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (addProblems(&status)) return;
   const QueueReport& queue = report_.queue;
-  status.summary(DiagnosticStatus::OK,
-                 std::to_string(queue.segments.size()) + " segments. Last candidate: " +
-                     (queue.last_decision.empty() ? "none yet" : queue.last_decision));
+  const std::size_t segments = queue.segments.size();
+  const std::string last =
+      queue.last_decision.empty() ? "" : " The newest candidate: " + queue.last_decision + ".";
+  if (segments == 0) {
+    status.summary(DiagnosticStatus::OK,
+                   "No stretch of video has told enough of the lens yet." + last);
+  } else {
+    status.summary(DiagnosticStatus::OK, "The calibration rests on " + std::to_string(segments) +
+                                             (segments == 1 ? " stretch" : " stretches") +
+                                             " of video." + last);
+  }
   status.add("segments", queue.segments.size());
   status.add("swaps", queue.swaps);
   status.add("last_accepted", queue.last_accepted);
@@ -164,30 +195,48 @@ void Diagnostics::timing(Status& status) {
   const ros::WallTime now = ros::WallTime::now();
   const double seconds = std::max(1e-3, (now - interval_begin_).toSec());
   const auto frames = static_cast<double>(interval_.frames);
-  const std::int64_t new_drops = dropped_ - interval_.dropped_before;
-  const std::int64_t new_rejects = input_.rejected - interval_.rejected_before;
-  const std::int64_t new_jumps = input_.jumps - interval_.jumps_before;
-  status.summary(DiagnosticStatus::OK, "Keeps up with the camera.");
-  if (interval_.frames == 0 && new_rejects == 0) {
-    status.summary(DiagnosticStatus::WARN,
-                   "No images on " + topic_ + "; is the camera running and the name right?");
-  } else if (new_rejects > 0 || new_jumps > 0) {
-    status.summary(DiagnosticStatus::WARN, "Input: " + input_.last_problem + ".");
-  } else if (new_drops > 0) {
-    status.summary(DiagnosticStatus::WARN,
-                   "Slower than the camera: images are dropped. Lower the rate or max_features.");
-  }
-  status.add("rate [Hz]", frames / seconds);
+  summarizeTiming(&status);
+  status.add("camera rate [Hz]", input_.rate_hz);
+  status.add("processed rate [Hz]", frames / seconds);
   status.add("processing mean [ms]", frames > 0 ? 1e3 * interval_.seconds_sum / frames : 0.0);
   status.add("processing max [ms]", 1e3 * interval_.seconds_max);
-  status.add("images dropped", dropped_);
+  status.add("images dropped, processing too slow", dropped_);
+  status.add("images missed, lost before they came here", input_.missed);
   status.add("images rejected", input_.rejected);
   status.add("clock jumps", input_.jumps);
+  status.add("gaps", input_.gaps);
+  status.add("size changes", input_.size_changes);
   interval_ = Interval();
   interval_.dropped_before = dropped_;
-  interval_.rejected_before = input_.rejected;
-  interval_.jumps_before = input_.jumps;
+  interval_.before = input_;
   interval_begin_ = now;
+}
+
+// The most urgent first: what an operator has to do something about.
+void Diagnostics::summarizeTiming(Status* status) const {
+  const InputCounts& before = interval_.before;
+  const std::int64_t drops = dropped_ - interval_.dropped_before;
+  const std::int64_t missed = input_.missed - before.missed;
+  const bool heard = input_.used > before.used;
+  if (last_image_.isZero() || silence() > kSilence) {
+    status->summary(DiagnosticStatus::WARN,
+                    "No images on " + topic_ + ": is the camera running, and is the name right?");
+  } else if (input_.rejected > before.rejected || input_.jumps > before.jumps) {
+    status->summary(heard ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
+                    "Input: " + input_.last_problem + ".");
+  } else if (drops > 0) {
+    status->summaryf(DiagnosticStatus::WARN,
+                     "Slower than the camera: %lld images were dropped since the last report. "
+                     "Lower the camera's rate or resolution, or max_features.",
+                     static_cast<long long>(drops));
+  } else if (missed > 0) {
+    status->summaryf(DiagnosticStatus::WARN,
+                     "%lld images did not arrive since the last report: the camera or the network "
+                     "loses them.",
+                     static_cast<long long>(missed));
+  } else {
+    status->summary(DiagnosticStatus::OK, "Keeps up with the camera.");
+  }
 }
 
 }  // namespace camera_self_calibration

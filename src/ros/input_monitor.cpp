@@ -1,5 +1,6 @@
 #include "camera_self_calibration/ros/input_monitor.h"
 
+#include <cstdio>
 #include <utility>
 
 #include "camera_self_calibration/ros/stamps.h"
@@ -14,6 +15,12 @@ std::string sizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
+std::string secondsText(std::int64_t nanoseconds) {
+  char text[32];
+  std::snprintf(text, sizeof(text), "%.1f s", toSeconds(nanoseconds));
+  return text;
+}
+
 }  // namespace
 
 InputVerdict InputMonitor::reject(std::string problem) {
@@ -22,29 +29,70 @@ InputVerdict InputMonitor::reject(std::string problem) {
   return InputVerdict::kReject;
 }
 
+std::string InputMonitor::takeNotice() { return std::exchange(notice_, {}); }
+
 InputVerdict InputMonitor::check(const GrayImage& image) {
   if (!image.view) return reject(image.error);
-  const ImageView& view = *image.view;
-  if (counts_.used == 0) {
+  if (image.view->stamp_ns <= 0) {
+    return reject("the images carry no time (header.stamp is 0); the driver has to stamp them");
+  }
+  const InputVerdict size = checkSize(*image.view);
+  if (size == InputVerdict::kReject) return size;
+  const InputVerdict time = checkTime(image.view->stamp_ns);
+  if (time == InputVerdict::kReject) return time;
+  ++counts_.used;
+  return size == InputVerdict::kNewSize ? size : time;
+}
+
+InputVerdict InputMonitor::checkSize(const ImageView& view) {
+  const bool first = width_ == 0;
+  if (first || (view.width == width_ && view.height == height_)) {
     width_ = view.width;
     height_ = view.height;
-  } else if (view.width != width_ || view.height != height_) {
-    return reject("the image size changed from " + sizeText(width_, height_) + " to " +
-                  sizeText(view.width, view.height) +
-                  "; set the camera back, or start anew to calibrate the new size");
+    new_size_images_ = 0;
+    return InputVerdict::kUse;
   }
-  const std::int64_t step_ns = view.stamp_ns - last_stamp_ns_;
+  const bool again = view.width == new_width_ && view.height == new_height_;
+  new_size_images_ = again ? new_size_images_ + 1 : 1;
+  new_width_ = view.width;
+  new_height_ = view.height;
+  const std::string change = "the image size changed from " + sizeText(width_, height_) + " to " +
+                             sizeText(view.width, view.height);
+  if (new_size_images_ < kSizePatience) {
+    return reject(change + "; if it stays so, it is calibrated anew");
+  }
+  counts_.last_problem = change;
+  ++counts_.size_changes;
+  width_ = view.width;
+  height_ = view.height;
+  new_size_images_ = 0;
+  return InputVerdict::kNewSize;
+}
+
+InputVerdict InputMonitor::checkTime(std::int64_t stamp_ns) {
   const bool first = counts_.used == 0;
+  const std::int64_t step_ns = stamp_ns - last_stamp_ns_;
   if (!first && step_ns <= 0 && step_ns > -kJumpNs) {
-    return reject("an image is not later than the one before it");
+    return reject("an image is not later than the one before it (the stamps differ by " +
+                  std::to_string(step_ns / 1000000) + " ms)");
   }
-  last_stamp_ns_ = view.stamp_ns;
-  ++counts_.used;
-  if (first || step_ns > 0) return InputVerdict::kUse;
-  ++counts_.jumps;
-  counts_.last_problem = "the clock jumped back by " + std::to_string(-toSeconds(step_ns)) +
-                         " s; tracking begins anew, the calibration is kept";
-  return InputVerdict::kRestart;
+  last_stamp_ns_ = stamp_ns;
+  if (first) return InputVerdict::kUse;
+  if (step_ns < 0) {
+    ++counts_.jumps;
+    clock_.clear();
+    counts_.last_problem = "the clock jumped back by " + secondsText(-step_ns) +
+                           "; tracking begins anew, the calibration is kept";
+    return InputVerdict::kRestart;
+  }
+  const FrameClock::Step step = clock_.add(step_ns);
+  counts_.missed += step.missed;
+  counts_.rate_hz = clock_.rate();
+  if (step.gap) {
+    ++counts_.gaps;
+    notice_ = "no image came for " + secondsText(step_ns) + "; tracking goes on if it can";
+  }
+  return InputVerdict::kUse;
 }
 
 }  // namespace camera_self_calibration

@@ -31,7 +31,7 @@ geometry_msgs::Transform toTransform(const Rigid3& pose) {
 }  // namespace
 
 ResultPublisher::ResultPublisher(const ros::NodeHandle& private_node, const NodeOptions& options)
-    : world_frame_(options.world_frame),
+    : world_frame_(withoutSlash(options.world_frame)),
       child_frame_(options.child_frame),
       publish_tf_(options.publish_tf),
       invert_tf_(options.invert_tf),
@@ -57,10 +57,8 @@ std::string ResultPublisher::imageFrame() const {
   return image_frame_;
 }
 
-std::string ResultPublisher::childFrame() const {
-  if (!child_frame_.empty()) return child_frame_;
-  const std::string frame = imageFrame();
-  return frame.empty() ? "camera" : frame;
+FrameNames ResultPublisher::frameNames() const {
+  return {world_frame_, child_frame_, imageFrame()};
 }
 
 void ResultPublisher::publish(const FrameResult& result, std::int64_t dropped_images) {
@@ -96,7 +94,7 @@ void ResultPublisher::publishOdometry(const FrameResult& result) {
   if (!continues || odometry_.getNumSubscribers() == 0) return;
   nav_msgs::Odometry message;
   message.header = headerOf(result.stamp_ns, world_frame_);
-  message.child_frame_id = childFrame();
+  message.child_frame_id = frameNames().camera();
   message.pose = toPoseWithCovariance(result);
   message.twist = toTwist(*last_tracked_, result);
   odometry_.publish(message);
@@ -120,9 +118,11 @@ void ResultPublisher::publishPath(const FrameResult& result) {
 }
 
 void ResultPublisher::publishTransform(const FrameResult& result) {
+  const FrameNames frames = frameNames();
+  if (!frames.problem().empty()) return;
   geometry_msgs::TransformStamped message;
-  message.header = headerOf(result.stamp_ns, invert_tf_ ? childFrame() : world_frame_);
-  message.child_frame_id = invert_tf_ ? world_frame_ : childFrame();
+  message.header = headerOf(result.stamp_ns, invert_tf_ ? frames.camera() : world_frame_);
+  message.child_frame_id = invert_tf_ ? world_frame_ : frames.camera();
   message.transform =
       toTransform(invert_tf_ ? result.world_from_camera.inverse() : result.world_from_camera);
   broadcaster_.sendTransform(message);

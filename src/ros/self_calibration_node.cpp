@@ -2,6 +2,8 @@
 
 #include <image_transport/camera_common.h>
 
+#include "camera_self_calibration/ros/stamps.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -50,6 +52,7 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
         std::make_unique<FactoryCalibration>(cameraInfoTopic(node_), options_.factory_warn_px);
     diagnostics_->watch(factory_.get());
   }
+  size_memory_ = std::make_unique<SizeMemory>(factory_.get());
   start_camera_ = std::make_unique<StartCamera>(&options_, factory_.get());
   results_ = std::make_unique<ResultPublisher>(private_node_, options_);
   camera_publisher_ = std::make_unique<CameraPublisher>(private_node_, camera_info_policy_.get());
@@ -83,12 +86,27 @@ void SelfCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
 void SelfCalibrationNode::onImage(const InputImage& image) {
   const std::string problem = camera_publisher_->publish(image);
   if (!problem.empty()) warnThrottled(problem);
+  const InputVerdict verdict = check(image);
+  if (verdict == InputVerdict::kNewSize) {
+    beginAnew(monitor_.counts().last_problem, image.header.stamp);
+  } else if (verdict != InputVerdict::kReject &&
+             size_memory_->windowMoved(monitor_.width(), monitor_.height())) {
+    beginAnew("the images show another part of the sensor", image.header.stamp);
+  }
+  if (verdict == InputVerdict::kReject || !ready()) return;
+  results_->setImageFrame(image.header.frame_id);
+  diagnostics_->setFrameProblem(results_->frameProblem());
+  if (!session_->process(*image.gray.view)) ++dropped_images_;
+}
+
+InputVerdict SelfCalibrationNode::check(const InputImage& image) {
   const InputVerdict verdict = monitor_.check(image.gray);
   diagnostics_->update(monitor_.counts());
   if (verdict != InputVerdict::kUse) warnThrottled(monitor_.counts().last_problem);
-  if (verdict == InputVerdict::kReject || !ready()) return;
-  results_->setImageFrame(image.header.frame_id);
-  if (!session_->process(*image.gray.view)) ++dropped_images_;
+  const std::string notice = monitor_.takeNotice();
+  const std::int64_t stamp_ns = toNanoseconds(image.header.stamp);
+  if (!notice.empty()) raise({EventType::kInput, stamp_ns, stamp_ns, notice});
+  return verdict;
 }
 
 bool SelfCalibrationNode::ready() {
@@ -108,19 +126,40 @@ bool SelfCalibrationNode::ready() {
   } else if (!start.sentence.empty()) {
     ROS_INFO_STREAM(private_node_.getNamespace() << ": " << start.sentence);
   }
-  const std::string problem = session_->start(start.camera);
-  if (!problem.empty()) {
-    stayIdle({problem});
-  } else if (kept.state) {
-    session_->calibrator()->restore(kept.state);
-  }
-  return problem.empty();
+  if (!begin(start.camera)) return false;
+  if (kept.state) session_->calibrator()->restore(kept.state);
+  return true;
 }
 
 void SelfCalibrationNode::change(const SelfCalibrationConfig& config) {
   camera_info_policy_->setMinChange(config.min_publish_change_px);
   results_->setPublishTf(config.publish_tf);
   keeper_->setAutosaveInterval(config.autosave_interval_s);
+}
+
+bool SelfCalibrationNode::begin(const std::optional<Camera>& camera) {
+  const std::string problem = session_->start(camera);
+  if (!problem.empty()) stayIdle({problem});
+  return problem.empty();
+}
+
+// The session ends here; unless something is known of the new images, ready() decides on its start.
+void SelfCalibrationNode::beginAnew(const std::string& what, const ros::Time& stamp) {
+  session_->stop();
+  const auto known = size_memory_->begin(monitor_.width(), monitor_.height());
+  const std::int64_t stamp_ns = toNanoseconds(stamp);
+  raise({EventType::kInput, stamp_ns, stamp_ns,
+         what + (known ? "; the calibration is " + known->how + " and is checked"
+                       : "; the calibration begins anew")});
+  if (!known) return;
+  camera_info_policy_->inherit(known->camera);
+  begin(known->camera);
+}
+
+void SelfCalibrationNode::raise(const Event& event) {
+  ROS_INFO_STREAM(private_node_.getNamespace()
+                  << ": " << toString(event.type) << ": " << event.sentence);
+  results_->publish(event);
 }
 
 Callbacks SelfCalibrationNode::callbacks() {
@@ -135,13 +174,10 @@ Callbacks SelfCalibrationNode::callbacks() {
     if (!warning.empty()) ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
     diagnostics_->update(report);
     if (factory_) factory_->update(report);
+    size_memory_->update(report);
     results_->publish(report);
   };
-  callbacks.event = [this](const Event& event) {
-    ROS_INFO_STREAM(private_node_.getNamespace()
-                    << ": " << toString(event.type) << ": " << event.sentence);
-    results_->publish(event);
-  };
+  callbacks.event = [this](const Event& event) { raise(event); };
   return callbacks;
 }
 

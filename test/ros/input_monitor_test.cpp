@@ -43,12 +43,62 @@ TEST(InputMonitor, AClockThatJumpsBackRestartsOnce) {
   EXPECT_EQ(monitor.counts().jumps, 1);
 }
 
-TEST(InputMonitor, RejectsAnotherSizeAndReturns) {
+TEST(InputMonitor, ASingleImageOfAnotherSizeChangesNothing) {
   InputMonitor monitor;
   monitor.check(image(10.0));
   EXPECT_EQ(monitor.check(image(10.1, 32, 24)), InputVerdict::kReject);
   EXPECT_NE(monitor.counts().last_problem.find("64x48 to 32x24"), std::string::npos);
   EXPECT_EQ(monitor.check(image(10.2)), InputVerdict::kUse);
+  // Two cameras on one topic: neither wins.
+  for (int i = 0; i < 20; ++i) {
+    EXPECT_EQ(monitor.check(image(11.0 + 0.1 * i, 32, 24)), InputVerdict::kReject);
+    EXPECT_EQ(monitor.check(image(11.05 + 0.1 * i)), InputVerdict::kUse);
+  }
+  EXPECT_EQ(monitor.counts().size_changes, 0);
+}
+
+TEST(InputMonitor, AnotherSizeThatStaysIsTaken) {
+  InputMonitor monitor;
+  monitor.check(image(10.0));
+  for (int i = 1; i < InputMonitor::kSizePatience; ++i) {
+    EXPECT_EQ(monitor.check(image(10.0 + 0.1 * i, 32, 24)), InputVerdict::kReject) << i;
+  }
+  EXPECT_EQ(monitor.check(image(12.0, 32, 24)), InputVerdict::kNewSize);
+  EXPECT_EQ(monitor.width(), 32);
+  EXPECT_EQ(monitor.check(image(12.1, 32, 24)), InputVerdict::kUse);
+  EXPECT_EQ(monitor.check(image(12.2)), InputVerdict::kReject);
+  EXPECT_EQ(monitor.counts().size_changes, 1);
+}
+
+TEST(InputMonitor, ImagesWithoutAStampAreNamed) {
+  InputMonitor monitor;
+  EXPECT_EQ(monitor.check(image(0.0)), InputVerdict::kReject);
+  EXPECT_NE(monitor.counts().last_problem.find("stamp"), std::string::npos);
+}
+
+TEST(InputMonitor, CountsImagesThatDidNotArriveAtAnyRate) {
+  for (const double rate : {5.0, 20.0, 120.0}) {
+    InputMonitor monitor;
+    for (int i = 0; i < 200; ++i) {
+      if (i == 50 || i == 100 || i == 101) continue;
+      const double jitter = 0.2 * (i % 3 - 1) / rate;
+      EXPECT_EQ(monitor.check(image(100.0 + i / rate + jitter)), InputVerdict::kUse);
+    }
+    EXPECT_EQ(monitor.counts().missed, 3) << rate << " Hz";
+    EXPECT_NEAR(monitor.counts().rate_hz, rate, 0.25 * rate);
+    EXPECT_EQ(monitor.counts().gaps, 0) << rate << " Hz";
+  }
+}
+
+TEST(InputMonitor, ALongGapIsAnEventAndNoMissedImages) {
+  InputMonitor monitor;
+  for (int i = 0; i < 20; ++i) monitor.check(image(100.0 + 0.05 * i));
+  EXPECT_EQ(monitor.takeNotice(), "");
+  EXPECT_EQ(monitor.check(image(130.0)), InputVerdict::kUse);
+  EXPECT_EQ(monitor.counts().gaps, 1);
+  EXPECT_EQ(monitor.counts().missed, 0);
+  EXPECT_NE(monitor.takeNotice().find("29.0"), std::string::npos);
+  EXPECT_EQ(monitor.takeNotice(), "") << "an event comes once";
 }
 
 TEST(InputMonitor, PassesOnWhyAnImageCannotBeRead) {

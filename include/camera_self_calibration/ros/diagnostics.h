@@ -25,6 +25,8 @@ class Diagnostics {
   /// What of the saved files could not be used.
   void setStorageProblems(const std::vector<std::string>& problems);
   void setTopic(const std::string& topic);
+  /// Why no transform goes out; empty if nothing hinders it.
+  void setFrameProblem(const std::string& problem);
   /// Adds what the comparison with the factory calibration comes to; it must outlive this object.
   void watch(const FactoryCalibration* factory);
   void update(const FrameResult& result, std::int64_t dropped_images);
@@ -42,8 +44,7 @@ class Diagnostics {
     double seconds_sum = 0.0;
     double seconds_max = 0.0;
     std::int64_t dropped_before = 0;
-    std::int64_t rejected_before = 0;
-    std::int64_t jumps_before = 0;
+    InputCounts before;
   };
 
   void tracking(Status& status);
@@ -54,6 +55,8 @@ class Diagnostics {
   void storage(Status& status);
   void addCameraInfo(Status* status) const;
   bool addProblems(Status* status) const;
+  double silence() const;
+  void summarizeTiming(Status* status) const;
 
   diagnostic_updater::Updater updater_;
   const CameraInfoPolicy* camera_info_;
@@ -62,10 +65,12 @@ class Diagnostics {
   std::string problems_;
   std::string topic_;
   std::string storage_problems_;
+  std::string frame_problem_;
   FrameResult frame_;
   CalibrationReport report_;
   InputCounts input_;
   std::int64_t dropped_ = 0;
+  ros::WallTime last_image_;  // When the input was heard last; zero before.
   Interval interval_;
   ros::WallTime interval_begin_ = ros::WallTime::now();
 };

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/ros/frame_names.h"
 #include "camera_self_calibration/ros/node_options.h"
 #include "camera_self_calibration/ros/trail.h"
 
@@ -26,6 +27,8 @@ class ResultPublisher {
 
   /// Whether transforms go out from now on.
   void setPublishTf(bool publish) { publish_tf_ = publish; }
+  /// What hinders the transform, in words; empty if nothing does.
+  std::string frameProblem() const { return frameNames().problem(); }
 
   void publish(const FrameResult& result, std::int64_t dropped_images);
   void publish(const CalibrationReport& report);
@@ -33,7 +36,7 @@ class ResultPublisher {
 
  private:
   std::string imageFrame() const;
-  std::string childFrame() const;
+  FrameNames frameNames() const;
   void publishPose(const FrameResult& result);
   void publishOdometry(const FrameResult& result);
   void publishPath(const FrameResult& result);

@@ -18,6 +18,7 @@
 #include "camera_self_calibration/ros/live_parameters.h"
 #include "camera_self_calibration/ros/node_options.h"
 #include "camera_self_calibration/ros/result_publisher.h"
+#include "camera_self_calibration/ros/size_memory.h"
 #include "camera_self_calibration/ros/start_camera.h"
 
 namespace camera_self_calibration {
@@ -35,8 +36,12 @@ class SelfCalibrationNode {
  private:
   void stayIdle(const std::vector<std::string>& problems);
   void onImage(const InputImage& image);
+  InputVerdict check(const InputImage& image);
   bool ready();
   void change(const SelfCalibrationConfig& config);
+  void beginAnew(const std::string& what, const ros::Time& stamp);
+  bool begin(const std::optional<Camera>& camera);
+  void raise(const Event& event);
   Callbacks callbacks();
   void warnThrottled(const std::string& text);
 
@@ -51,6 +56,7 @@ class SelfCalibrationNode {
   std::unique_ptr<CameraInfoPolicy> camera_info_policy_;
   std::unique_ptr<FactoryCalibration> factory_;  // Null with camera_info_input: off.
   std::unique_ptr<StartCamera> start_camera_;
+  std::unique_ptr<SizeMemory> size_memory_;
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<ResultPublisher> results_;
   std::unique_ptr<CameraPublisher> camera_publisher_;

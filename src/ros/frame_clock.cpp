@@ -1,0 +1,40 @@
+#include "camera_self_calibration/ros/frame_clock.h"
+
+#include <algorithm>
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr std::int64_t kSecond = 1000000000;
+constexpr int kGapPeriods = 5;
+constexpr std::size_t kEnough = 5;  // Steps from which a median is believed.
+
+}  // namespace
+
+FrameClock::Step FrameClock::add(std::int64_t step_ns) {
+  const std::int64_t usual = period();
+  Step step;
+  step.gap = step_ns > kSecond && step_ns > kGapPeriods * usual;
+  // Half a period of jitter is no missing image.
+  if (usual > 0 && !step.gap && 2 * step_ns > 3 * usual) {
+    step.missed = static_cast<int>((step_ns + usual / 2) / usual) - 1;
+  }
+  if (!step.gap) steps_[count_++ % kKept] = step_ns;
+  return step;
+}
+
+std::int64_t FrameClock::period() const {
+  const std::size_t known = std::min(count_, kKept);
+  if (known < kEnough) return 0;
+  std::array<std::int64_t, kKept> sorted = steps_;
+  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(known / 2);
+  std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(known));
+  return *middle;
+}
+
+double FrameClock::rate() const {
+  const std::int64_t usual = period();
+  return usual > 0 ? static_cast<double>(kSecond) / static_cast<double>(usual) : 0.0;
+}
+
+}  // namespace camera_self_calibration
