@@ -29,7 +29,15 @@ std::int64_t FrameClock::period() const {
   std::array<std::int64_t, kKept> sorted = steps_;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(known / 2);
   std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(known));
-  return *middle;
+  // The mean of the usual steps, since jitter makes the median lean to one side.
+  std::int64_t sum = 0;
+  std::int64_t usual = 0;
+  for (std::size_t i = 0; i < known; ++i) {
+    if (2 * steps_[i] > 3 * *middle) continue;
+    sum += steps_[i];
+    ++usual;
+  }
+  return sum / usual;
 }
 
 double FrameClock::rate() const {

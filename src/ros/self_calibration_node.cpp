@@ -14,6 +14,15 @@ std::string cameraInfoTopic(const ros::NodeHandle& node) {
   return image_transport::getCameraInfoTopic(node.resolveName("image"));
 }
 
+/// What only the names of the graph show.
+std::vector<std::string> namingProblems(const ros::NodeHandle& node,
+                                        const ros::NodeHandle& private_node) {
+  const std::string image = node.resolveName("image");
+  if (image != private_node.resolveName("image_raw")) return {};
+  return {"the images would come from this node itself, which publishes " + image +
+          ": give the node another name, or remap `image` to the camera's topic"};
+}
+
 CameraInfoOptions cameraInfoOptions(const NodeOptions& options) {
   CameraInfoOptions result;
   result.min_change_px = options.min_publish_change_px;
@@ -43,8 +52,12 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   for (const std::string& warning : reading.warnings) {
     ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
   }
-  if (!reading.problems.empty()) {
-    stayIdle(reading.problems);
+  std::vector<std::string> problems = reading.problems;
+  for (const std::string& problem : namingProblems(node_, private_node_)) {
+    problems.push_back(problem);
+  }
+  if (!problems.empty()) {
+    stayIdle(problems);
     return;
   }
   if (options_.camera_info_input != "off") {

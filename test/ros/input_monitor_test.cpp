@@ -85,7 +85,7 @@ TEST(InputMonitor, CountsImagesThatDidNotArriveAtAnyRate) {
       EXPECT_EQ(monitor.check(image(100.0 + i / rate + jitter)), InputVerdict::kUse);
     }
     EXPECT_EQ(monitor.counts().missed, 3) << rate << " Hz";
-    EXPECT_NEAR(monitor.counts().rate_hz, rate, 0.25 * rate);
+    EXPECT_NEAR(monitor.counts().rate_hz, rate, 0.1 * rate);
     EXPECT_EQ(monitor.counts().gaps, 0) << rate << " Hz";
   }
 }
@@ -97,7 +97,7 @@ TEST(InputMonitor, ALongGapIsAnEventAndNoMissedImages) {
   EXPECT_EQ(monitor.check(image(130.0)), InputVerdict::kUse);
   EXPECT_EQ(monitor.counts().gaps, 1);
   EXPECT_EQ(monitor.counts().missed, 0);
-  EXPECT_NE(monitor.takeNotice().find("29.0"), std::string::npos);
+  EXPECT_NE(monitor.takeNotice().find("for 29"), std::string::npos);
   EXPECT_EQ(monitor.takeNotice(), "") << "an event comes once";
 }
 

@@ -124,7 +124,7 @@ TEST_F(Inputs, FactoryStartResolutionChangeAndSilence) {
 }
 
 TEST_F(Inputs, ABurstIsThinnedOutAndTheNewestImageComesThrough) {
-  ros::Publisher images = node_.advertise<sensor_msgs::Image>("/busy/image_raw", 200);
+  ros::Publisher images = node_.advertise<sensor_msgs::Image>("/flood/image_raw", 200);
   Recorder<TrackingStatus> status{"/busy/tracking_status"};
   ASSERT_TRUE(
       spinUntil([&] { return images.getNumSubscribers() > 0 && status.connected(); }, 20.0));
@@ -150,6 +150,11 @@ TEST_F(Inputs, ABurstIsThinnedOutAndTheNewestImageComesThrough) {
       },
       5.0);
   EXPECT_TRUE(said) << diagnosis(diagnostics_, "busy: timing");
+}
+
+TEST_F(Inputs, ANodeDoesNotListenToItself) {
+  EXPECT_TRUE(diagnosed("loop: tracking", "2 Idle"));
+  EXPECT_TRUE(diagnosed("loop: tracking", "/loop/image_raw"));
 }
 
 /// As a robot's tf tree: base_link carries the camera, and a map is to hang on it, or it on the

@@ -20,7 +20,7 @@ class FrameClock {
   /// As after a restart of the camera: another rate may hold.
   void clear() { count_ = 0; }
 
-  /// Images per second, by the median step; 0 until five steps are known.
+  /// Images per second, by the mean of the usual steps; 0 until five steps are known.
   double rate() const;
 
  private:
