@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/make_shared.hpp>
 #include <opencv2/imgcodecs.hpp>
 
 #include "camera_self_calibration/ros/stamps.h"
@@ -37,6 +38,15 @@ std::string sizeText(const sensor_msgs::Image& message) {
          message.encoding;
 }
 
+/// Without a copy, under the encoding's proper name.
+cv_bridge::CvImageConstPtr shared(const sensor_msgs::ImageConstPtr& message,
+                                  const std::string& encoding) {
+  if (encoding == message->encoding) return cv_bridge::toCvShare(message);
+  const auto image = boost::make_shared<cv_bridge::CvImage>(*cv_bridge::toCvShare(message));
+  image->encoding = encoding;
+  return image;
+}
+
 /// What is wrong with the message as such, before anything reads its pixels.
 std::string malformed(const sensor_msgs::Image& message) {
   constexpr std::uint32_t kLargestSide = 32768;
@@ -46,8 +56,12 @@ std::string malformed(const sensor_msgs::Image& message) {
   }
   std::size_t pixel_bytes = 0;
   try {
-    pixel_bytes = static_cast<std::size_t>(encodings::numChannels(message.encoding)) *
-                  static_cast<std::size_t>(encodings::bitDepth(message.encoding)) / 8;
+    if (message.encoding == kYuyv) {
+      pixel_bytes = 2;
+    } else {
+      pixel_bytes = static_cast<std::size_t>(encodings::numChannels(message.encoding)) *
+                    static_cast<std::size_t>(encodings::bitDepth(message.encoding)) / 8;
+    }
   } catch (const std::exception&) {
     return "the encoding '" + message.encoding + "' is not known; use mono8, bgr8 or another one";
   }
@@ -62,6 +76,26 @@ std::string malformed(const sensor_msgs::Image& message) {
 bool hasGray(const std::string& encoding) {
   return encodings::isMono(encoding) || encodings::isColor(encoding) ||
          encodings::isBayer(encoding) || encoding == encodings::YUV422;
+}
+
+// YUV422 of the byte order Y U Y V, which newer drivers publish; its gray is there as it is.
+constexpr const char* kYuyv = "yuv422_yuy2";
+
+/// What drivers without a name for the order of colours publish is OpenCV's own order.
+std::string knownName(const std::string& encoding) {
+  if (encoding == encodings::TYPE_8UC3) return encodings::BGR8;
+  if (encoding == encodings::TYPE_8UC4) return encodings::BGRA8;
+  if (encoding == encodings::TYPE_16UC3) return encodings::BGR16;
+  return encoding;
+}
+
+cv::Mat luminanceOfYuyv(const sensor_msgs::Image& message) {
+  // OpenCV has no matrix over constant data; it is only read.
+  const cv::Mat pairs(static_cast<int>(message.height), static_cast<int>(message.width), CV_8UC2,
+                      const_cast<std::uint8_t*>(message.data.data()), message.step);
+  cv::Mat gray;
+  cv::extractChannel(pairs, gray, 0);
+  return gray;
 }
 
 /// A JPEG decoder fills what is missing of a truncated picture with gray and only warns.
@@ -84,29 +118,47 @@ GrayImage GrayConverter::convert(const sensor_msgs::ImageConstPtr& message) {
     if (message->encoding == encodings::MONO16 || message->encoding == encodings::TYPE_16UC1) {
       return convertMono16(message);
     }
-    if (!hasGray(message->encoding)) {
+    if (message->encoding == kYuyv) {
+      return viewOf(luminanceOfYuyv(*message), message->header.stamp);
+    }
+    const std::string encoding = knownName(message->encoding);
+    if (!hasGray(encoding)) {
       return failed("the encoding '" + message->encoding +
                     "' is no picture that can be turned gray; use mono8, bgr8 or another one");
     }
-    return viewOf(cv_bridge::toCvCopy(message, encodings::MONO8)->image, message->header.stamp);
+    if (encodings::bitDepth(encoding) == 16) return convertDeepColour(message, encoding);
+    return viewOf(cv_bridge::cvtColor(shared(message, encoding), encodings::MONO8)->image,
+                  message->header.stamp);
   } catch (const std::exception& e) {
     return failed("an image " + sizeText(*message) + " cannot be turned gray: " + e.what());
   }
 }
 
 GrayImage GrayConverter::convertMono16(const sensor_msgs::ImageConstPtr& message) {
-  const cv_bridge::CvImageConstPtr image = cv_bridge::toCvShare(message);
+  return viewOf(toEightBits(cv_bridge::toCvShare(message)->image), message->header.stamp);
+}
+
+GrayImage GrayConverter::convertDeepColour(const sensor_msgs::ImageConstPtr& message,
+                                           const std::string& encoding) {
+  cv_bridge::CvImageConstPtr image = shared(message, encoding);
+  // Bayer goes by way of colour.
+  if (encodings::isBayer(encoding)) image = cv_bridge::cvtColor(image, encodings::BGR16);
+  image = cv_bridge::cvtColor(image, encodings::MONO16);
+  return viewOf(toEightBits(image->image), message->header.stamp);
+}
+
+cv::Mat GrayConverter::toEightBits(const cv::Mat& deep) {
   double brightest = 0.0;
-  cv::minMaxLoc(image->image, nullptr, &brightest);
+  cv::minMaxLoc(deep, nullptr, &brightest);
   while (significant_bits_ < 16 && brightest >= static_cast<double>(1 << significant_bits_)) {
     ++significant_bits_;
   }
   cv::Mat gray;
-  image->image.convertTo(gray, CV_8U, 255.0 / ((1 << significant_bits_) - 1));
-  return viewOf(gray, message->header.stamp);
+  deep.convertTo(gray, CV_8U, 255.0 / ((1 << significant_bits_) - 1));
+  return gray;
 }
 
-GrayImage GrayConverter::convert(const sensor_msgs::CompressedImage& message) const {
+GrayImage GrayConverter::convert(const sensor_msgs::CompressedImage& message) {
   if (message.data.empty()) return failed("the compressed image is empty");
   if (isTruncatedJpeg(message.data)) {
     return failed("the compressed image is truncated (" + std::to_string(message.data.size()) +
@@ -114,10 +166,17 @@ GrayImage GrayConverter::convert(const sensor_msgs::CompressedImage& message) co
   }
   try {
     // The sensor's pixels as they are: a calibration must not depend on a rotation by metadata.
-    cv::Mat gray = cv::imdecode(message.data, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+    // Deep pictures stay deep, since cameras of 10 or 12 bits fill the low bits only.
+    cv::Mat gray = cv::imdecode(
+        message.data, cv::IMREAD_GRAYSCALE | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
     if (gray.empty()) {
       return failed("the compressed image (format '" + message.format + "', " +
                     std::to_string(message.data.size()) + " bytes) cannot be decoded");
+    }
+    if (gray.depth() == CV_16U) gray = toEightBits(gray);
+    if (gray.depth() != CV_8U) {
+      return failed("the compressed image (format '" + message.format +
+                    "') is no picture, but holds other numbers");
     }
     return viewOf(std::move(gray), message.header.stamp);
   } catch (const std::exception& e) {

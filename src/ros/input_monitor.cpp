@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <utility>
 
+#include "camera_self_calibration/ros/mask_file.h"
 #include "camera_self_calibration/ros/stamps.h"
 
 namespace camera_self_calibration {
@@ -36,6 +37,8 @@ InputVerdict InputMonitor::check(const GrayImage& image) {
   if (image.view->stamp_ns <= 0) {
     return reject("the images carry no time (header.stamp is 0); the driver has to stamp them");
   }
+  const std::string misfit = mask_ ? maskMisfit(*mask_, image.view->width, image.view->height) : "";
+  if (!misfit.empty()) return reject(misfit);
   const InputVerdict size = checkSize(*image.view);
   if (size == InputVerdict::kReject) return size;
   const InputVerdict time = checkTime(image.view->stamp_ns);

@@ -34,6 +34,7 @@ void readPipeline(ParameterReader& read, NodeOptions* options) {
 
 void readInterface(ParameterReader& read, NodeOptions* options) {
   read("image_transport", &options->image_transport);
+  read("mask_url", &options->mask_url);
   read.orOff("camera_info_input", &options->camera_info_input);
   read("factory_warn_px", &options->factory_warn_px);
   read("world_frame", &options->world_frame);

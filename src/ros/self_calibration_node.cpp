@@ -2,6 +2,7 @@
 
 #include <image_transport/camera_common.h>
 
+#include "camera_self_calibration/ros/mask_file.h"
 #include "camera_self_calibration/ros/stamps.h"
 
 namespace camera_self_calibration {
@@ -56,6 +57,10 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   for (const std::string& problem : namingProblems(node_, private_node_)) {
     problems.push_back(problem);
   }
+  const MaskReading mask = readMask(options_.mask_url);
+  if (!mask.error.empty()) problems.push_back(mask.error);
+  options_.pipeline.tracker.mask = mask.mask;
+  if (mask.mask) monitor_.setMask(*mask.mask);
   if (!problems.empty()) {
     stayIdle(problems);
     return;

@@ -11,6 +11,7 @@
 #include "camera_self_calibration/tracking/patch_registration.h"
 #include "camera_self_calibration/tracking/pyramid.h"
 #include "camera_self_calibration/tracking/track_gate.h"
+#include "camera_self_calibration/tracking/usable_area.h"
 #include "camera_self_calibration/tracking/zoom_search.h"
 
 namespace camera_self_calibration {
@@ -46,7 +47,7 @@ struct Tracker::Impl {
     std::size_t patch = 0;                               // Index in patches.
   };
 
-  explicit Impl(const TrackerOptions& o) : options(o) {
+  explicit Impl(const TrackerOptions& o) : options(o), area(o.mask, kMaskRadius) {
     const auto capacity = static_cast<std::size_t>(options.max_features);
     patches.resize(capacity);
     for (std::size_t i = capacity; i > 0; --i) free_patches.push_back(i - 1);
@@ -76,7 +77,8 @@ struct Tracker::Impl {
 
   ImagePyramid previous;
   ImagePyramid current;
-  FieldMask mask;
+  FieldMask mask;  // Kept over a restart: the lens is the same.
+  UsableArea area;
   FlowPrediction flow;
   ZoomSearch zoom_search;
   LocalMotion local_motion;
@@ -98,7 +100,6 @@ void Tracker::Impl::restart() {
   keepIf([](std::size_t) { return false; });
   current.clear();
   previous.clear();
-  mask.clear();
   gate.reset();
 }
 
@@ -106,6 +107,7 @@ void Tracker::Impl::load(const ImageView& image) {
   if (current.size() != cv::Size(image.width, image.height)) restart();
   std::swap(previous, current);
   current.build(image);
+  area.setImageSize(image.width, image.height);
   mask.add(current);
   frame.stamp_ns = image.stamp_ns;
   frame.width = image.width;
@@ -153,7 +155,9 @@ bool Tracker::Impl::registerFrom(std::size_t i, const Warp& start) {
 void Tracker::Impl::advance() {
   predict();
   accepted.clear();
-  keepIf([this](std::size_t i) { return registerTrack(i); });
+  keepIf([this](std::size_t i) {
+    return registerTrack(i) && area.contains(frame.tracks[i].pixel.x(), frame.tracks[i].pixel.y());
+  });
   gate.learn(accepted);
   registration.setNoise(gate.whiteNoise());
 }
@@ -244,6 +248,7 @@ std::vector<Track> Tracker::detect() {
     if (impl_->free_patches.empty()) break;
     if (impl_->crowded({corner.x, corner.y})) continue;
     if (impl_->mask.touches(corner.x, corner.y, kMaskRadius)) continue;
+    if (!impl_->area.contains(corner.x, corner.y)) continue;
     if (saturated(impl_->current.level(0), corner.x, corner.y)) continue;
     if (impl_->begin(corner)) started.push_back(impl_->frame.tracks.back());
   }

@@ -132,7 +132,8 @@ std::vector<std::string> valuesOf(const NodeOptions& options) {
                                      options.output_distortion_model,
                                      options.projection,
                                      options.score,
-                                     options.camera_info_input};
+                                     options.camera_info_input,
+                                     options.mask_url};
   for (const double value : options.initial_intrinsics) values.push_back(std::to_string(value));
   for (const double value : {options.publish_uncalibrated ? 1.0 : 0.0,
                              options.publish_tf ? 1.0 : 0.0,
@@ -212,8 +213,9 @@ TEST(ReadNodeOptions, TheParameterFileHoldsTheDefaults) {
 TEST(ReadNodeOptions, EveryParameterOfTheFileIsRead) {
   const NodeOptionsReading reading = readNodeOptions(ros::NodeHandle("/others"));
   EXPECT_TRUE(reading.problems.empty());
-  std::vector<std::string> expected = {"plumb_bob",           "radtan", "raw",   "here",   "eye",
-                                       "rational_polynomial", "fixed",  "pixel", "compare"};
+  std::vector<std::string> expected = {
+      "plumb_bob",           "radtan", "raw",   "here",    "eye",
+      "rational_polynomial", "fixed",  "pixel", "compare", "file:///mask.png"};
   for (const double value :
        {400.0, 401.0, 320.0, 240.0, -0.2, 0.1, 0.0, 0.0, 0.01, 1.0, 0.0,   1.0, 0.5, 2.5, 7.0,
         99.0,  9.5,   0.02,  4.0,   0.6,  8.0, 9.0, 6.0, 21.0, 1.0, -30.5, 0.9, 0.4, 3.0, 5.0}) {

@@ -103,6 +103,44 @@ TEST(GrayImage, ConvertsYuv422) {
   expectPicture(GrayConverter().convert(fill(makeMessage(encodings::YUV422, 2), 2, bytes)), 2);
 }
 
+TEST(GrayImage, ConvertsYuyvAndColoursWithoutAName) {
+  const auto bytes = [](int x, int y, int c) { return c == 1 ? 128 : expectedGray(x, y); };
+  expectPicture(GrayConverter().convert(fill(makeMessage("yuv422_yuy2", 2), 2, bytes)), 0);
+  expectPicture(GrayConverter().convert(fill(makeMessage(encodings::TYPE_8UC3, 3), 3, gray)), 1);
+  expectPicture(GrayConverter().convert(fill(makeMessage(encodings::TYPE_8UC4, 4), 4, gray)), 1);
+  sensor_msgs::ImagePtr truncated = makeMessage("yuv422_yuy2", 2);
+  truncated->data.resize(100);
+  EXPECT_NE(GrayConverter().convert(truncated).error.find("truncated"), std::string::npos);
+}
+
+TEST(GrayImage, ScalesDeepColourAndBayerByTheirSignificantBits) {
+  // A camera of 12 bits.
+  const auto bytes = [](int x, int y, int c) {
+    const int value = 16 * expectedGray(x, y);
+    return c % 2 == 0 ? value % 256 : value / 256;
+  };
+  for (const std::string& encoding : {encodings::BGR16, encodings::RGB16}) {
+    expectPicture(GrayConverter().convert(fill(makeMessage(encoding, 6), 6, bytes)), 1);
+  }
+  for (const std::string& encoding : {encodings::BAYER_RGGB16, encodings::BAYER_GBRG16}) {
+    expectPicture(GrayConverter().convert(fill(makeMessage(encoding, 2), 2, bytes)), 2, 2);
+  }
+}
+
+TEST(GrayImage, DecodesPicturesOf16BitsByTheirSignificantBits) {
+  cv::Mat deep(kHeight, kWidth, CV_16UC1);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      deep.at<std::uint16_t>(y, x) = static_cast<std::uint16_t>(16 * expectedGray(x, y));
+    }
+  }
+  sensor_msgs::CompressedImage message;
+  message.header.stamp = ros::Time(1700000000, 123456789);
+  message.format = "png";
+  cv::imencode(".png", deep, message.data);
+  expectPicture(GrayConverter().convert(message), 1);
+}
+
 TEST(GrayImage, ScalesMono16ByItsSignificantBits) {
   // A camera of 12 bits: the brightest pixel is close to 4095.
   const auto bytes = [](int x, int y, int c) {
@@ -166,7 +204,7 @@ TEST(GrayImage, DecodesCompressedImages) {
 }
 
 TEST(GrayImage, RefusesDamagedCompressedImages) {
-  const GrayConverter converter;
+  GrayConverter converter;
   sensor_msgs::CompressedImage truncated = compressed(".jpg");
   truncated.data.resize(truncated.data.size() / 2);
   EXPECT_NE(converter.convert(truncated).error.find("truncated"), std::string::npos);

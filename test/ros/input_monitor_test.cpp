@@ -70,6 +70,15 @@ TEST(InputMonitor, AnotherSizeThatStaysIsTaken) {
   EXPECT_EQ(monitor.counts().size_changes, 1);
 }
 
+TEST(InputMonitor, ImagesThatTheMaskDoesNotFitAreNamed) {
+  const GrayImage mask = image(0.0, 64, 48);
+  InputMonitor monitor;
+  monitor.setMask(*mask.view);
+  EXPECT_EQ(monitor.check(image(10.0, 80, 48)), InputVerdict::kReject);
+  EXPECT_NE(monitor.counts().last_problem.find("mask"), std::string::npos);
+  EXPECT_EQ(monitor.check(image(10.1, 128, 96)), InputVerdict::kUse);
+}
+
 TEST(InputMonitor, ImagesWithoutAStampAreNamed) {
   InputMonitor monitor;
   EXPECT_EQ(monitor.check(image(0.0)), InputVerdict::kReject);

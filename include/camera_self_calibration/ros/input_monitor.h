@@ -34,6 +34,9 @@ class InputMonitor {
   /// single damaged image, do not end a calibration.
   static constexpr int kSizePatience = 5;
 
+  /// Images that the mask does not fit are rejected.
+  void setMask(const ImageView& mask) { mask_ = mask; }
+
   /// After anything but kUse, counts().last_problem says in plain words what is the matter.
   InputVerdict check(const GrayImage& image);
 
@@ -50,6 +53,7 @@ class InputMonitor {
   InputVerdict checkTime(std::int64_t stamp_ns);
 
   InputCounts counts_;
+  std::optional<ImageView> mask_;
   FrameClock clock_;
   std::string notice_;
   std::int64_t last_stamp_ns_ = 0;

@@ -13,7 +13,6 @@ namespace camera_self_calibration {
 class FieldMask {
  public:
   void add(const ImagePyramid& image);
-  void clear() { brightest_.release(); }
 
   /// Finds the dark regions from the images added so far; contains() answers by them.
   void update();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,8 @@ namespace camera_self_calibration {
 struct TrackerOptions {
   int max_features = 128;        ///< Live tracks, at most.
   double min_distance_px = 0.0;  ///< Between features; 0: chosen from image size and count.
+  /// 0 where no feature may be, as on parts of the robot; scaled to the images. None: everywhere.
+  std::optional<ImageView> mask;
 
   /// Every violated bound in one sentence each; empty if all is well.
   std::vector<std::string> problems() const;

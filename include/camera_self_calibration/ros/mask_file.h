@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "camera_self_calibration/tracking/image_view.h"
+
+namespace camera_self_calibration {
+
+/// Either a mask or, in words, why there is none.
+struct MaskReading {
+  std::optional<ImageView> mask;
+  std::string error;  ///< Empty if there is a mask, or none was asked for.
+};
+
+/// Reads an image, in which black forbids features: file:///PATH, package://PACKAGE/PATH or a plain
+/// path. An empty URL asks for none.
+MaskReading readMask(const std::string& url);
+
+/// Why a mask does not fit images of this size [px], in words; empty if it does: it is of the same
+/// shape and may be scaled.
+std::string maskMisfit(const ImageView& mask, int width, int height);
+
+}  // namespace camera_self_calibration
