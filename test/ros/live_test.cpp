@@ -5,6 +5,7 @@
 #include <camera_self_calibration/Queue.h>
 #include <camera_self_calibration/TrackingStatus.h>
 #include <diagnostic_msgs/DiagnosticArray.h>
+#include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/PoseWithCovarianceStamped.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/Odometry.h>
@@ -25,8 +26,10 @@
 
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/ros/camera_info.h"
+#include "camera_self_calibration/simulation/room.h"
 #include "camera_self_calibration/tools/truth_table.h"
 #include "ros/recorder.h"
+#include "ros/straight_edges.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -38,6 +41,8 @@ constexpr const char* kCamera = "simulated_camera";
 struct Run {
   Recorder<sensor_msgs::Image> image{"/selfcal/image_raw"};
   Recorder<sensor_msgs::CameraInfo> camera_info{"/selfcal/camera_info"};
+  Recorder<sensor_msgs::Image> rectified{"/selfcal/image_rect"};
+  Recorder<geometry_msgs::PoseStamped> true_pose{"/simulated_camera/truth/pose"};
   Recorder<sensor_msgs::CameraInfo> true_info{"/simulated_camera/truth/camera_info"};
   Recorder<geometry_msgs::PoseWithCovarianceStamped> pose{"/selfcal/pose"};
   Recorder<nav_msgs::Odometry> odometry{"/selfcal/odometry"};
@@ -53,11 +58,11 @@ struct Run {
   std::unique_ptr<Recorder<sensor_msgs::Image>> source;
 
   bool connected() const {
-    return image.connected() && camera_info.connected() && true_info.connected() &&
-           pose.connected() && odometry.connected() && path.connected() && tf.connected() &&
-           status.connected() && calibration.connected() && truth.connected() &&
-           queue.connected() && event.connected() && diagnostics.connected() &&
-           finished.connected();
+    return image.connected() && rectified.connected() && true_pose.connected() &&
+           camera_info.connected() && true_info.connected() && pose.connected() &&
+           odometry.connected() && path.connected() && tf.connected() && status.connected() &&
+           calibration.connected() && truth.connected() && queue.connected() && event.connected() &&
+           diagnostics.connected() && finished.connected();
   }
 
   /// The camera begins when its images have two subscribers; this is the second one.
@@ -141,6 +146,55 @@ TEST(Live, TheCalibrationIsWithinThreeSigmaOfTheTruth) {
   EXPECT_TRUE(last.handed_over);
   EXPECT_TRUE(last.hint.empty()) << last.hint;
   EXPECT_EQ(last.tracking_state, TrackingStatus::TRACKING);
+}
+
+template <typename Message>
+typename Message::ConstPtr messageAt(const Recorder<Message>& recorder, const ros::Time& stamp) {
+  for (const auto& message : recorder.messages) {
+    if (message->header.stamp == stamp) return message;
+  }
+  return nullptr;
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+// image_proc with our CameraInfo: what is straight in the room is straight in the image.
+TEST(Live, TheRoomsEdgesComeOutStraight) {
+  ASSERT_GT(run().rectified.messages.size(), 20u) << "rectified from CONVERGED on";
+  EXPECT_LT(run().rectified.messages.size(), run().source->messages.size());
+  RoomOptions room;
+  room.seed = 2;  // As in live.test.
+  const World world = makeRoom(room);
+  std::vector<double> raw;
+  std::vector<double> rectified;
+  for (std::size_t i = 0; i < run().rectified.messages.size(); i += 5) {
+    const sensor_msgs::Image& image = *run().rectified.messages[i];
+    const auto info = messageAt(run().camera_info, image.header.stamp);
+    const auto truth = messageAt(run().true_info, image.header.stamp);
+    const auto pose = messageAt(run().true_pose, image.header.stamp);
+    ASSERT_TRUE(info && truth && pose);
+    image_geometry::PinholeCameraModel model;
+    model.fromCameraInfo(info);
+    const auto& q = pose->pose.orientation;
+    const auto& p = pose->pose.position;
+    const Rigid3 world_from_camera{Eigen::Quaterniond(q.w, q.x, q.y, q.z), {p.x, p.y, p.z}};
+    const cv::Mat pixels(static_cast<int>(image.height), static_cast<int>(image.width), CV_8UC1,
+                         const_cast<std::uint8_t*>(image.data.data()), image.step);
+    for (const EdgeBow& bow :
+         StraightEdges(world, *toCamera(*truth), model).measure(pixels, world_from_camera)) {
+      raw.push_back(bow.raw);
+      rectified.push_back(bow.rectified);
+    }
+  }
+  ASSERT_GT(raw.size(), 30u);
+  std::cout << raw.size() << " edges bend by " << median(raw)
+            << " px (median) in the raw image, by " << median(rectified) << " px rectified\n";
+  EXPECT_GT(median(raw), 2.0);
+  EXPECT_LT(median(rectified), 0.25);
 }
 
 TEST(Live, TheQueueSaysWhatItRestsOn) {
