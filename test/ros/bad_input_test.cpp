@@ -112,7 +112,7 @@ TEST_F(BadInput, WrongParametersAreAllListedAndTheNodeStaysIdle) {
 
 TEST_F(BadInput, DamagedCompressedImagesAreNamed) {
   ros::Publisher publisher =
-      node_.advertise<sensor_msgs::CompressedImage>("/jpeg/image_raw/compressed", 10);
+      node_.advertise<sensor_msgs::CompressedImage>("/pictures/image_raw/compressed", 10);
   ASSERT_TRUE(spinUntil([&] { return publisher.getNumSubscribers() > 0; }, 20.0));
   sensor_msgs::CompressedImage garbage;
   garbage.format = "jpeg";
