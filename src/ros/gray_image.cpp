@@ -15,6 +15,9 @@ namespace {
 
 namespace encodings = sensor_msgs::image_encodings;
 
+// YUV422 of the byte order Y U Y V, which newer drivers publish; its gray is there as it is.
+constexpr const char* kYuyv = "yuv422_yuy2";
+
 GrayImage failed(std::string error) { return {std::nullopt, std::move(error)}; }
 
 /// The matrix lives as long as the view.
@@ -77,9 +80,6 @@ bool hasGray(const std::string& encoding) {
   return encodings::isMono(encoding) || encodings::isColor(encoding) ||
          encodings::isBayer(encoding) || encoding == encodings::YUV422;
 }
-
-// YUV422 of the byte order Y U Y V, which newer drivers publish; its gray is there as it is.
-constexpr const char* kYuyv = "yuv422_yuy2";
 
 /// What drivers without a name for the order of colours publish is OpenCV's own order.
 std::string knownName(const std::string& encoding) {

@@ -47,7 +47,7 @@ struct Tracker::Impl {
     std::size_t patch = 0;                               // Index in patches.
   };
 
-  explicit Impl(const TrackerOptions& o) : options(o), area(o.mask, kMaskRadius) {
+  explicit Impl(const TrackerOptions& o) : options(o), usable_area(o.mask, kMaskRadius) {
     const auto capacity = static_cast<std::size_t>(options.max_features);
     patches.resize(capacity);
     for (std::size_t i = capacity; i > 0; --i) free_patches.push_back(i - 1);
@@ -78,7 +78,7 @@ struct Tracker::Impl {
   ImagePyramid previous;
   ImagePyramid current;
   FieldMask mask;  // Kept over a restart: the lens is the same.
-  UsableArea area;
+  UsableArea usable_area;
   FlowPrediction flow;
   ZoomSearch zoom_search;
   LocalMotion local_motion;
@@ -107,7 +107,7 @@ void Tracker::Impl::load(const ImageView& image) {
   if (current.size() != cv::Size(image.width, image.height)) restart();
   std::swap(previous, current);
   current.build(image);
-  area.setImageSize(image.width, image.height);
+  usable_area.setImageSize(image.width, image.height);
   mask.add(current);
   frame.stamp_ns = image.stamp_ns;
   frame.width = image.width;
@@ -156,7 +156,8 @@ void Tracker::Impl::advance() {
   predict();
   accepted.clear();
   keepIf([this](std::size_t i) {
-    return registerTrack(i) && area.contains(frame.tracks[i].pixel.x(), frame.tracks[i].pixel.y());
+    return registerTrack(i) &&
+           usable_area.contains(frame.tracks[i].pixel.x(), frame.tracks[i].pixel.y());
   });
   gate.learn(accepted);
   registration.setNoise(gate.whiteNoise());
@@ -248,7 +249,7 @@ std::vector<Track> Tracker::detect() {
     if (impl_->free_patches.empty()) break;
     if (impl_->crowded({corner.x, corner.y})) continue;
     if (impl_->mask.touches(corner.x, corner.y, kMaskRadius)) continue;
-    if (!impl_->area.contains(corner.x, corner.y)) continue;
+    if (!impl_->usable_area.contains(corner.x, corner.y)) continue;
     if (saturated(impl_->current.level(0), corner.x, corner.y)) continue;
     if (impl_->begin(corner)) started.push_back(impl_->frame.tracks.back());
   }
