@@ -186,6 +186,7 @@ TEST(Live, TheRoomsEdgesComeOutStraight) {
                          const_cast<std::uint8_t*>(image.data.data()), image.step);
     for (const EdgeBow& bow :
          StraightEdges(world, *toCamera(*truth), model).measure(pixels, world_from_camera)) {
+      if (bow.raw < 1.5) continue;  // Through the centre: straight in the raw image too.
       raw.push_back(bow.raw);
       rectified.push_back(bow.rectified);
     }
@@ -261,7 +262,10 @@ TEST(Live, EventsComeOnce) {
 TEST(Live, DiagnosticsTellTheOutcome) {
   std::map<std::string, diagnostic_msgs::DiagnosticStatus> last;
   for (const auto& array : run().diagnostics.messages) {
-    for (const auto& status : array->status) last[status.name] = status;
+    for (const auto& status : array->status) {
+      // After the end of the sequence the camera is silent, and that is said.
+      if (status.message.find("No image") == std::string::npos) last[status.name] = status;
+    }
   }
   for (const char* task : {"tracking", "calibration", "queue"}) {
     const std::string name = std::string("selfcal: ") + task;
