@@ -1,11 +1,10 @@
 #include "camera_self_calibration/ros/mask_file.h"
 
-#include <ros/package.h>
-
-#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+
+#include "camera_self_calibration/ros/calibration_url.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -14,24 +13,13 @@ std::string sizeText(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
 }
 
-/// Empty where the package is not known.
-std::string pathOf(const std::string& url) {
-  const std::string file = "file://";
-  const std::string package = "package://";
-  if (url.compare(0, file.size(), file) == 0) return url.substr(file.size());
-  if (url.compare(0, package.size(), package) != 0) return url;
-  const std::size_t slash = std::min(url.find('/', package.size()), url.size());
-  const std::string folder =
-      ros::package::getPath(url.substr(package.size(), slash - package.size()));
-  return folder.empty() ? "" : folder + url.substr(slash);
-}
-
 }  // namespace
 
 MaskReading readMask(const std::string& url) {
   if (url.empty()) return {};
-  const std::string path = pathOf(url);
-  if (path.empty()) return {std::nullopt, "the package of mask_url '" + url + "' is not known"};
+  const ResolvedPath resolved = resolvePath(url, "camera");
+  if (!resolved.error.empty()) return {std::nullopt, "mask_url: " + resolved.error};
+  const std::string& path = resolved.path;
   try {
     const auto image = std::make_shared<cv::Mat>(cv::imread(path, cv::IMREAD_GRAYSCALE));
     if (image->empty()) {
