@@ -155,7 +155,8 @@ std::vector<std::string> valuesOf(const NodeOptions& options) {
                              pipeline.alpha,
                              pipeline.converged_pixel_rms,
                              1.0 * pipeline.solver_threads,
-                             1.0 * pipeline.max_queued_images}) {
+                             1.0 * pipeline.max_queued_images,
+                             pipeline.false_alarms_per_hour}) {
     values.push_back(std::to_string(value));
   }
   return values;
@@ -216,9 +217,9 @@ TEST(ReadNodeOptions, EveryParameterOfTheFileIsRead) {
   std::vector<std::string> expected = {
       "plumb_bob",           "radtan", "raw",   "here",    "eye",
       "rational_polynomial", "fixed",  "pixel", "compare", "file:///mask.png"};
-  for (const double value :
-       {400.0, 401.0, 320.0, 240.0, -0.2, 0.1, 0.0, 0.0, 0.01, 1.0, 0.0,   1.0, 0.5, 2.5, 7.0,
-        99.0,  9.5,   0.02,  4.0,   0.6,  8.0, 9.0, 6.0, 21.0, 1.0, -30.5, 0.9, 0.4, 3.0, 5.0}) {
+  for (const double value : {400.0, 401.0, 320.0, 240.0, -0.2, 0.1, 0.0,  0.0, 0.01, 1.0, 0.0,
+                             1.0,   0.5,   2.5,   7.0,   99.0, 9.5, 0.02, 4.0, 0.6,  8.0, 9.0,
+                             6.0,   21.0,  1.0,   -30.5, 0.9,  0.4, 3.0,  5.0, 3.5}) {
     expected.push_back(std::to_string(value));
   }
   EXPECT_EQ(valuesOf(reading.options), expected);
