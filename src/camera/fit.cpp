@@ -142,4 +142,11 @@ std::optional<CameraFit> fitCamera(const RationalPolynomial& source, int width, 
   return fit;
 }
 
+std::optional<CameraFit> fitWithoutK3(const Camera& radtan) {
+  if (radtan.model() != CameraModel::kRadtan) return std::nullopt;
+  const Camera start(CameraModel::kRadtan, radtan.width(), radtan.height(),
+                     radtan.parameters().head(Camera::parameterCount(CameraModel::kRadtan)));
+  return bestFit(pixelGrid(radtan), {start});
+}
+
 }  // namespace camera_self_calibration

@@ -65,6 +65,24 @@ RotationStep rotationStep(const std::vector<PixelRay>& grid, const Camera& b,
   return step;
 }
 
+struct BestRotation {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  PixelError error = {kInfinity, kInfinity};
+};
+
+BestRotation bestRotation(const std::vector<PixelRay>& grid, const Camera& b) {
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  BestRotation best;
+  for (int i = 0; i < 20; ++i) {
+    const RotationStep step = rotationStep(grid, b, rotation);
+    if (step.projected == 0 || !step.omega.allFinite()) break;
+    if (step.error.rms < best.error.rms) best = {rotation, step.error};
+    rotation = expSo3(step.omega) * rotation;
+    if (step.omega.norm() < 1e-12) break;
+  }
+  return best;
+}
+
 }  // namespace
 
 std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
@@ -104,17 +122,25 @@ PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covari
 }
 
 PixelError pixelDistance(const Camera& a, const Camera& b, double max_radius_px) {
+  return bestRotation(pixelGrid(a, max_radius_px), b).error;
+}
+
+PixelDifference pixelDifference(const Camera& a, const Camera& b, double max_radius_px) {
   const std::vector<PixelRay> grid = pixelGrid(a, max_radius_px);
-  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  PixelError best{kInfinity, kInfinity};
-  for (int i = 0; i < 20; ++i) {
-    const RotationStep step = rotationStep(grid, b, rotation);
-    if (step.projected == 0 || !step.omega.allFinite()) break;
-    if (step.error.rms < best.rms) best = step.error;
-    rotation = expSo3(step.omega) * rotation;
-    if (step.omega.norm() < 1e-12) break;
+  const BestRotation best = bestRotation(grid, b);
+  PixelDifference difference;
+  difference.error = best.error;
+  difference.rotation_deg =
+      best.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 / M_PI;
+  for (const PixelRay& point : grid) {
+    Eigen::Vector2d pixel;
+    if (b.project(best.rotation * point.ray, &pixel)) {
+      difference.points.push_back({point.pixel, pixel - point.pixel});
+    } else {
+      ++difference.refused;
+    }
   }
-  return best;
+  return difference;
 }
 
 }  // namespace camera_self_calibration

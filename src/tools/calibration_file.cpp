@@ -1,128 +1,131 @@
 #include "camera_self_calibration/tools/calibration_file.h"
 
-#include <camera_calibration_parsers/parse_yml.h>
-#include <yaml-cpp/yaml.h>
-
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
 #include <fstream>
-#include <iomanip>
-#include <limits>
 #include <sstream>
 #include <stdexcept>
-#include <vector>
 
-#include "camera_self_calibration/camera/fit.h"
-#include "camera_self_calibration/ros/camera_info.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
 namespace {
 
+// A calibration is a page of text; who gives a bag or an image by mistake need not wait.
+constexpr std::size_t kMaxBytes = 1 << 20;
+
 std::string contents(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::runtime_error("the calibration file " + path + " cannot be opened");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-Camera fromPlainYaml(const YAML::Node& yaml) {
-  const std::string name = yaml["model"].as<std::string>();
-  const std::optional<CameraModel> model = cameraModelFromString(name);
-  if (!model) {
-    throw std::runtime_error("the model '" + name +
-                             "' is not one of pinhole, fov, radtan, equidistant");
+  if (std::filesystem::is_directory(path)) {
+    throw std::runtime_error("the calibration file " + path + " is a folder");
   }
-  const auto values = yaml["params"].as<std::vector<double>>();
-  return Camera(*model, yaml["width"].as<int>(), yaml["height"].as<int>(),
-                Eigen::Map<const Eigen::VectorXd>(values.data(), values.size()));
-}
-
-Camera fromRosYaml(const std::string& text) {
-  sensor_msgs::CameraInfo info;
-  std::string camera_name;
-  std::istringstream stream(text);
-  if (!camera_calibration_parsers::readCalibrationYml(stream, camera_name, info)) {
-    throw std::runtime_error("it is no calibration in the YAML format of ROS");
+  std::ifstream file(path, std::ios::binary);
+  std::string text(kMaxBytes + 1, '\0');
+  if (!file) {
+    throw std::runtime_error("the calibration file " + path + " cannot be opened");
   }
-  const std::optional<Camera> camera = toCamera(info);
-  if (!camera) {
-    throw std::runtime_error("its distortion model '" + info.distortion_model +
-                             "' or its values cannot be used; plumb_bob and equidistant can");
+  file.read(&text[0], static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  const std::string problem = text.empty()                          ? "it is empty"
+                              : text.size() > kMaxBytes             ? "it is too long"
+                              : text.find('\0') < std::string::npos ? "it is no text"
+                                                                    : "";
+  if (problem.empty()) return text;
+  throw std::runtime_error("the calibration file " + path + " cannot be used: " + problem);
+}
+
+CalibrationInFile parsed(const std::string& text, std::optional<CalibrationFormat> format,
+                         const std::string& wanted) {
+  if (!format) format = detectCalibrationFormat(text);
+  if (!format) {
+    throw std::runtime_error("it is none of the formats " + calibrationFormatNames());
   }
-  return *camera;
+  return {parseCalibration(text, *format, wanted), *format};
 }
 
-std::string list(const double* values, Eigen::Index count) {
-  std::ostringstream text;
-  text << std::setprecision(std::numeric_limits<double>::max_digits10) << "[";
-  for (Eigen::Index i = 0; i < count; ++i) text << (i > 0 ? ", " : "") << values[i];
-  text << "]";
-  return text.str();
+/// The text with a comment where the format allows the first one.
+std::string noted(const std::string& text, const std::string& note) {
+  const std::string line = "# " + note + "\n";
+  const std::string separator = "---\n";
+  const std::size_t header = text.compare(0, 5, "%YAML") == 0 ? text.find(separator) : 0;
+  if (header == 0 || header == std::string::npos) return line + text;
+  return std::string(text).insert(header + separator.size(), line);
 }
 
-/// Kalibr's radtan has no k3: a camera with it is fitted by the model that comes closest.
-CameraFit withKalibrModel(const Camera& camera) {
-  if (camera.model() != CameraModel::kRadtan || camera.parameterCount() == 8) return {camera, {}};
-  const std::optional<CameraFit> fit = fitCamera(camera, CameraModel::kEquidistant);
-  if (!fit) throw std::runtime_error("the calibration cannot be fitted by a model of Kalibr");
-  return *fit;
+std::string fitNote(const Camera& camera, const CameraFit& fit) {
+  std::ostringstream note;
+  note << "fitted to " << toString(camera.model())
+       << (camera.parameterCount() == kMaxIntrinsics ? " with k3" : "") << ": off by "
+       << fit.error.rms << " px rms, " << fit.error.max << " px at most";
+  return note.str();
 }
 
-const char* kalibrDistortion(CameraModel model) {
-  switch (model) {
-    case CameraModel::kPinhole:
-      return "none";
-    case CameraModel::kFov:
-      return "fov";
-    case CameraModel::kRadtan:
-      return "radtan";
-    case CameraModel::kEquidistant:
-      return "equidistant";
-  }
-  return "none";
+/// A k3 of zero that is left out changes nothing.
+bool isExact(const CameraFit& fit, const Camera& camera) {
+  return fit.camera.model() == camera.model() && fit.error.max == 0.0;
+}
+
+void checkReadBack(const std::string& text, CalibrationFormat format, const Camera& camera) {
+  const Camera read = parseCalibration(text, format).camera;
+  if (pixelDistance(camera, read).max < 1e-6) return;
+  throw std::runtime_error("the calibration does not read back as it was written");
+}
+
+void replaceFile(const std::string& path, const std::string& text) {
+  const std::string temporary = path + ".part";
+  std::ofstream file(temporary, std::ios::binary);
+  file << text;
+  file.close();
+  if (file && std::rename(temporary.c_str(), path.c_str()) == 0) return;
+  std::remove(temporary.c_str());
+  throw std::runtime_error("the calibration cannot be written to " + path);
 }
 
 }  // namespace
 
-Camera readCalibrationFile(const std::string& path) {
+CalibrationInFile readCalibration(const std::string& path, std::optional<CalibrationFormat> format,
+                                  const std::string& wanted) {
   const std::string text = contents(path);
   try {
-    const YAML::Node yaml = YAML::Load(text);
-    if (!yaml.IsMap()) throw std::runtime_error("it holds no keys and values");
-    const Camera camera = yaml["model"] ? fromPlainYaml(yaml) : fromRosYaml(text);
-    if (!camera.valid()) throw std::runtime_error("its values are out of range");
-    return camera;
+    return parsed(text, format, wanted);
   } catch (const std::exception& e) {
-    throw std::runtime_error("the calibration file " + path + " cannot be used: " + e.what());
+    const std::string as = format ? " as " + toString(*format) : "";
+    throw std::runtime_error("the calibration file " + path + " cannot be used" + as + ": " +
+                             e.what());
   }
+}
+
+Camera readCalibrationFile(const std::string& path) {
+  return readCalibration(path, std::nullopt, {}).stored.camera;
+}
+
+CameraFit writeCalibration(const std::string& path, const Camera& camera, CalibrationFormat format,
+                           const CalibrationLabels& labels) {
+  const CameraFit fit = storable(camera, format);
+  if (!std::isfinite(fit.error.max)) {
+    throw std::runtime_error("no model of the format " + toString(format) +
+                             " reaches the whole image of this " + toString(camera.model()) +
+                             " camera");
+  }
+  std::string text = calibrationText(fit.camera, format, labels);
+  if (!isExact(fit, camera)) text = noted(text, fitNote(camera, fit));
+  checkReadBack(text, format, fit.camera);
+  replaceFile(path, text);
+  return fit;
 }
 
 void writeRosCalibration(const std::string& path, const std::string& camera_name,
                          const Camera& camera) {
-  const std::optional<CameraInfoConversion> conversion = toCameraInfo(camera);
-  if (!conversion ||
-      !camera_calibration_parsers::writeCalibrationYml(path, camera_name, conversion->info)) {
-    throw std::runtime_error("the calibration cannot be written to " + path);
-  }
+  CalibrationLabels labels;
+  labels.camera_name = camera_name;
+  writeCalibration(path, camera, CalibrationFormat::kRos, labels);
 }
 
 void writeKalibrCalibration(const std::string& path, const std::string& topic,
                             const Camera& camera) {
-  const CameraFit fit = withKalibrModel(camera);
-  const Camera& written = fit.camera;
-  const Intrinsics& p = written.parameters();
-  std::ofstream file(path);
-  if (written.model() != camera.model()) {
-    file << "# fitted to radtan with k3, which Kalibr does not have: off by " << fit.error.rms
-         << " px rms, " << fit.error.max << " px at most\n";
-  }
-  file << "cam0:\n"
-       << "  camera_model: pinhole\n"
-       << "  intrinsics: " << list(p.data(), 4) << "\n"
-       << "  distortion_model: " << kalibrDistortion(written.model()) << "\n"
-       << "  distortion_coeffs: " << list(p.data() + 4, p.size() - 4) << "\n"
-       << "  resolution: [" << written.width() << ", " << written.height() << "]\n"
-       << "  rostopic: " << topic << "\n";
-  if (!file.flush()) throw std::runtime_error("the calibration cannot be written to " + path);
+  CalibrationLabels labels;
+  labels.topic = topic;
+  writeCalibration(path, camera, CalibrationFormat::kKalibr, labels);
 }
 
 }  // namespace camera_self_calibration

@@ -152,6 +152,32 @@ TEST(PixelDistance, ComparesModels) {
             5.0);
 }
 
+TEST(PixelDifference, AddsUpToTheDistance) {
+  const Camera a = camera640(CameraModel::kRadtan, {420, 420, 320, 240, -0.2, 0.05, 0, 0});
+  const Camera b = camera640(CameraModel::kRadtan, {421, 420, 325, 240, -0.21, 0.05, 0, 0});
+  const PixelDifference difference = pixelDifference(a, b);
+  double sum = 0.0;
+  double largest = 0.0;
+  for (const auto& point : difference.points) {
+    sum += point.offset.squaredNorm();
+    largest = std::max(largest, point.offset.norm());
+  }
+  EXPECT_EQ(difference.points.size(), 1200u);
+  EXPECT_EQ(difference.refused, 0);
+  EXPECT_NEAR(std::sqrt(sum / 1200.0), pixelDistance(a, b).rms, 1e-9);
+  EXPECT_NEAR(largest, pixelDistance(a, b).max, 1e-9);
+  // Five pixels of the principal point are mostly a rotation by 5 / 420.
+  EXPECT_NEAR(difference.rotation_deg, 5.0 / 420.0 * 180.0 / M_PI, 0.1);
+}
+
+TEST(PixelDifference, CountsWhatTheOtherCannotSee) {
+  const Camera wide = camera640(CameraModel::kFov, {300, 300, 320, 240, 1.0});
+  const Camera folded = camera640(CameraModel::kRadtan, {300, 300, 320, 240, -0.5, 0, 0, 0});
+  const PixelDifference difference = pixelDifference(wide, folded);
+  EXPECT_GT(difference.refused, 100);
+  EXPECT_EQ(difference.refused + difference.points.size(), 1200u);
+}
+
 TEST(PixelDistance, RadiusLimitsTheGrid) {
   const Camera a = sampleCameras()[10];
   Camera b = a;

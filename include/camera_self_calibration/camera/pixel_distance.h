@@ -36,4 +36,18 @@ std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
 /// are left out.
 PixelError pixelDistance(const Camera& a, const Camera& b, double max_radius_px = 1e9);
 
+/// Where pixelDistance() comes from.
+struct PixelDifference {
+  struct Point {
+    Eigen::Vector2d pixel;   ///< Of a's grid.
+    Eigen::Vector2d offset;  ///< Where b sees the same ray, less `pixel` [px].
+  };
+  PixelError error;
+  double rotation_deg = 0.0;  ///< Angle of the rotation that was removed.
+  std::vector<Point> points;
+  int refused = 0;  ///< Points of the grid whose ray `b` cannot project.
+};
+
+PixelDifference pixelDifference(const Camera& a, const Camera& b, double max_radius_px = 1e9);
+
 }  // namespace camera_self_calibration

@@ -1,22 +1,39 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/tools/calibration_format.h"
 
 namespace camera_self_calibration {
 
-/// Reads a calibration: a ROS YAML file (camera_matrix, distortion_model, ...) or one with the keys
-/// model, width, height, params (in the order of CameraModel). Throws std::runtime_error that says
-/// what is wrong.
+/// Reads a calibration in any of the formats, told apart by what stands in the file. Throws
+/// std::runtime_error that says what is wrong.
 Camera readCalibrationFile(const std::string& path);
 
-/// Writes the YAML of camera_calibration_parsers, which camera_info_manager reads; a model without
-/// a standard name is converted. Throws std::runtime_error if that or the writing fails.
+struct CalibrationInFile {
+  StoredCalibration stored;
+  CalibrationFormat format = CalibrationFormat::kRos;
+};
+
+/// The same, with what is known of the file: `format`, if given, and `wanted` as in
+/// parseCalibration().
+CalibrationInFile readCalibration(const std::string& path, std::optional<CalibrationFormat> format,
+                                  const std::string& wanted);
+
+/// Writes a calibration, fitted where the format does not have the model; what that costs is
+/// returned and noted in the file. The text is read back and compared first, and an existing file
+/// is replaced at one stroke. Throws std::runtime_error if it cannot be written or fitted.
+CameraFit writeCalibration(const std::string& path, const Camera& camera, CalibrationFormat format,
+                           const CalibrationLabels& labels = {});
+
+/// Writes the YAML of camera_calibration_parsers, which camera_info_manager reads.
 void writeRosCalibration(const std::string& path, const std::string& camera_name,
                          const Camera& camera);
 
-/// Writes Kalibr's camchain with one camera. Throws std::runtime_error if it cannot be written.
+/// Writes Kalibr's camchain with one camera.
 void writeKalibrCalibration(const std::string& path, const std::string& topic,
                             const Camera& camera);
 

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/fit.h"
+
+namespace camera_self_calibration {
+
+/// The files in which people keep calibrations. Pixel centres lie at integer coordinates in all but
+/// kColmap, which counts from the corner of the image: its cx, cy are larger by 0.5.
+enum class CalibrationFormat {
+  kRos,       ///< YAML of camera_info_manager and camera_calibration.
+  kPlain,     ///< YAML with model, width, height, params (in the order of CameraModel).
+  kKalibr,    ///< Camchain: a YAML with cam0, cam1, ...
+  kOpenCv,    ///< cv::FileStorage (YAML or XML) as OpenCV's calibration sample writes it.
+  kColmap,    ///< cameras.txt of a text model.
+  kOrbSlam3,  ///< Settings with File.version 1.0; older ones are read too.
+  kVins       ///< camodocal, as VINS-Mono and VINS-Fusion read it.
+};
+
+/// "ros", "plain", "kalibr", "opencv", "colmap", "orbslam3", "vins".
+std::string toString(CalibrationFormat format);
+std::optional<CalibrationFormat> calibrationFormatFromString(const std::string& name);
+/// All names, for messages: "ros, plain, ...".
+std::string calibrationFormatNames();
+
+/// The format of a file's text, from what stands in it; nothing if it is none of them.
+std::optional<CalibrationFormat> detectCalibrationFormat(const std::string& text);
+
+struct StoredCalibration {
+  std::string name;  ///< That of the camera in the file; may be empty.
+  Camera camera;     ///< Valid, of positive size.
+};
+
+/// Reads one camera; `wanted` is its name in the file (kKalibr: cam0, ...; kColmap: the id), needed
+/// only where there are several. Throws std::runtime_error that says what is wrong.
+StoredCalibration parseCalibration(const std::string& text, CalibrationFormat format,
+                                   const std::string& wanted = {});
+
+/// The camera as the format can hold it: itself, with error 0, where the format has the model; else
+/// the best fit by a model that it has. Throws std::runtime_error where none fits.
+CameraFit storable(const Camera& camera, CalibrationFormat format);
+
+/// What a file says beside the intrinsics, where the format has a place for it.
+struct CalibrationLabels {
+  std::string camera_name = "camera";
+  std::string topic = "/camera/image_raw";  ///< kKalibr.
+  double rate_hz = 30.0;                    ///< kOrbSlam3.
+};
+
+/// The text of a file with this one camera, which must be storable() as it is. Numbers are written
+/// with all their digits. Throws std::runtime_error if that fails.
+std::string calibrationText(const Camera& camera, CalibrationFormat format,
+                            const CalibrationLabels& labels = {});
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,110 @@
+// How far two calibrations of a camera are apart in pixels: the program compare_calibration.
+
+#include <boost/program_options.hpp>
+#include <cmath>
+#include <iostream>
+#include <opencv2/imgcodecs.hpp>
+#include <stdexcept>
+
+#include "camera_self_calibration/plotting/difference_chart.h"
+#include "camera_self_calibration/tools/calibration_file.h"
+#include "camera_self_calibration/tools/calibration_text.h"
+
+namespace camera_self_calibration {
+namespace {
+
+namespace po = boost::program_options;
+
+constexpr const char* kUsage =
+    "Tells how far two calibrations of one camera are apart, in pixels over the image, whatever\n"
+    "their models and formats. What a rotation of the camera explains does not count.\n"
+    "\n"
+    "  compare_calibration A B [--out PICTURE.png] [options]\n"
+    "\n"
+    "Exit code: 0 compared, 2 further apart than --limit, 1 error.\n";
+
+struct Arguments {
+  std::string a;
+  std::string b;
+  std::string out;
+  std::string camera_a;
+  std::string camera_b;
+  double limit_px = std::numeric_limits<double>::infinity();
+  double radius_px = 1e9;
+};
+
+po::options_description description(Arguments* arguments) {
+  po::options_description all("Options", 100);
+  // clang-format off
+  all.add_options()
+    ("help,h", "this text")
+    ("a", po::value(&arguments->a), "a calibration in any format that convert_calibration reads")
+    ("b", po::value(&arguments->b), "another one, for the same image size")
+    ("out", po::value(&arguments->out), "picture of the differences (PNG)")
+    ("camera-a", po::value(&arguments->camera_a), "which camera of A, if there are several")
+    ("camera-b", po::value(&arguments->camera_b), "which camera of B, if there are several")
+    ("radius", po::value(&arguments->radius_px),
+     "only within this distance of A's principal point [px]")
+    ("limit", po::value(&arguments->limit_px), "exit code 2 beyond this distance [px rms]");
+  // clang-format on
+  return all;
+}
+
+void checkSizes(const Camera& a, const Camera& b) {
+  if (a.width() == b.width() && a.height() == b.height()) return;
+  const auto size = [](const Camera& camera) {
+    return std::to_string(camera.width()) + " x " + std::to_string(camera.height());
+  };
+  throw std::runtime_error("A is for images of " + size(a) + ", B for " + size(b) +
+                           ": pixels of different sizes cannot be compared");
+}
+
+int run(const Arguments& arguments) {
+  if (arguments.a.empty() || arguments.b.empty()) {
+    throw std::runtime_error("two calibrations are needed; see --help");
+  }
+  if (!(arguments.radius_px > 0.0)) throw std::runtime_error("--radius must be positive");
+  const auto file_a = readCalibration(arguments.a, std::nullopt, arguments.camera_a);
+  const auto file_b = readCalibration(arguments.b, std::nullopt, arguments.camera_b);
+  std::cout << "A: " << describe(arguments.a, file_a) << "B: " << describe(arguments.b, file_b)
+            << "\n";
+  const Camera& a = file_a.stored.camera;
+  const Camera& b = file_b.stored.camera;
+  checkSizes(a, b);
+  const PixelDifference difference = pixelDifference(a, b, arguments.radius_px);
+  if (!std::isfinite(difference.error.rms)) {
+    throw std::runtime_error("no pixel of A can be seen by B");
+  }
+  std::cout << comparisonText(a, b, difference);
+  if (!arguments.out.empty() && !cv::imwrite(arguments.out, drawDifference(a, difference))) {
+    throw std::runtime_error("the picture cannot be written to " + arguments.out);
+  }
+  return difference.error.rms > arguments.limit_px ? 2 : 0;
+}
+
+std::optional<Arguments> parse(int argc, const char* const* argv) {
+  Arguments arguments;
+  const po::options_description all = description(&arguments);
+  po::positional_options_description positional;
+  positional.add("a", 1).add("b", 1);
+  po::variables_map given;
+  po::store(po::command_line_parser(argc, argv).options(all).positional(positional).run(), given);
+  po::notify(given);
+  if (given.count("help") == 0) return arguments;
+  std::cout << kUsage << '\n' << all;
+  return std::nullopt;
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
+
+int main(int argc, char** argv) {
+  using namespace camera_self_calibration;
+  try {
+    const auto arguments = parse(argc, argv);
+    return arguments ? run(*arguments) : 0;
+  } catch (const std::exception& e) {
+    std::cerr << "compare_calibration: " << e.what() << '\n';
+    return 1;
+  }
+}

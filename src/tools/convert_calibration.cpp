@@ -1,0 +1,120 @@
+// Converts a calibration from one format to another: the program convert_calibration.
+
+#include <boost/program_options.hpp>
+#include <filesystem>
+#include <iomanip>
+#include <iostream>
+#include <stdexcept>
+
+#include "camera_self_calibration/tools/calibration_file.h"
+#include "camera_self_calibration/tools/calibration_text.h"
+
+namespace camera_self_calibration {
+namespace {
+
+namespace po = boost::program_options;
+
+constexpr const char* kUsage =
+    "Converts a camera calibration.\n"
+    "\n"
+    "  convert_calibration IN OUT --to FORMAT [options]\n"
+    "\n"
+    "Formats: ros (camera_info_manager), plain (model, width, height, params), kalibr (camchain),\n"
+    "opencv (FileStorage), colmap (cameras.txt), orbslam3, vins. A model that the target does not\n"
+    "have is fitted by one that it has; what that costs in pixels is printed.\n"
+    "Exit code: 0 written, 1 error.\n";
+
+struct Arguments {
+  std::string in;
+  std::string out;
+  std::string from;
+  std::string to;
+  std::string camera;
+  CalibrationLabels labels;
+};
+
+po::options_description description(Arguments* arguments) {
+  CalibrationLabels& labels = arguments->labels;
+  po::options_description all("Options", 100);
+  // clang-format off
+  all.add_options()
+    ("help,h", "this text")
+    ("in", po::value(&arguments->in), "file to read")
+    ("out", po::value(&arguments->out), "file to write; an existing one is replaced")
+    ("to", po::value(&arguments->to), "format of OUT")
+    ("from", po::value(&arguments->from), "format of IN; default: told from what stands in it")
+    ("camera", po::value(&arguments->camera),
+     "which camera of a file with several: cam0, cam1, ... (kalibr), the id (colmap)")
+    ("name", po::value(&labels.camera_name)->default_value(labels.camera_name),
+     "camera_name in OUT (ros, vins)")
+    ("topic", po::value(&labels.topic)->default_value(labels.topic), "rostopic in OUT (kalibr)")
+    ("rate", po::value(&labels.rate_hz)->default_value(labels.rate_hz),
+     "images per second in OUT (orbslam3) [Hz]");
+  // clang-format on
+  return all;
+}
+
+CalibrationFormat formatNamed(const std::string& option, const std::string& name) {
+  const auto format = calibrationFormatFromString(name);
+  if (format) return *format;
+  throw std::runtime_error(option + " '" + name + "' is not one of " + calibrationFormatNames());
+}
+
+void check(const Arguments& arguments) {
+  if (arguments.in.empty() || arguments.out.empty() || arguments.to.empty()) {
+    throw std::runtime_error("IN, OUT and --to FORMAT are needed; see --help");
+  }
+  std::error_code ignored;
+  if (std::filesystem::equivalent(arguments.in, arguments.out, ignored)) {
+    throw std::runtime_error("IN and OUT are the same file; a fit would lose the original");
+  }
+  if (!(arguments.labels.rate_hz >= 1.0 && arguments.labels.rate_hz <= 1e4)) {
+    throw std::runtime_error("--rate must lie between 1 and 10000 Hz");
+  }
+}
+
+int run(const Arguments& arguments) {
+  check(arguments);
+  const CalibrationFormat to = formatNamed("--to", arguments.to);
+  std::optional<CalibrationFormat> from;
+  if (!arguments.from.empty()) from = formatNamed("--from", arguments.from);
+  const CalibrationInFile read = readCalibration(arguments.in, from, arguments.camera);
+  std::cout << "read  " << describe(arguments.in, read);
+  const CameraFit fit = writeCalibration(arguments.out, read.stored.camera, to, arguments.labels);
+  std::cout << "wrote " << describe(arguments.out, {{{}, fit.camera}, to});
+  if (fit.camera.model() == read.stored.camera.model() && fit.error.max == 0.0) {
+    std::cout << "exact\n";
+    return 0;
+  }
+  std::cout << std::setprecision(3) << "fitted, since the format has no "
+            << toString(read.stored.camera.model()) << " like this: off by " << fit.error.rms
+            << " px rms, " << fit.error.max << " px at most over the image\n";
+  return 0;
+}
+
+std::optional<Arguments> parse(int argc, const char* const* argv) {
+  Arguments arguments;
+  const po::options_description all = description(&arguments);
+  po::positional_options_description positional;
+  positional.add("in", 1).add("out", 1);
+  po::variables_map given;
+  po::store(po::command_line_parser(argc, argv).options(all).positional(positional).run(), given);
+  po::notify(given);
+  if (given.count("help") == 0) return arguments;
+  std::cout << kUsage << '\n' << all;
+  return std::nullopt;
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
+
+int main(int argc, char** argv) {
+  using namespace camera_self_calibration;
+  try {
+    const auto arguments = parse(argc, argv);
+    return arguments ? run(*arguments) : 0;
+  } catch (const std::exception& e) {
+    std::cerr << "convert_calibration: " << e.what() << '\n';
+    return 1;
+  }
+}

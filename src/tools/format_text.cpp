@@ -1,0 +1,71 @@
+#include "format_text.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "camera_self_calibration/tools/json.h"
+
+namespace camera_self_calibration {
+
+std::string exactText(double value) { return json::number(value); }
+
+std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index count) {
+  std::string text;
+  for (Eigen::Index i = 0; i < count; ++i)
+    text += (i > 0 ? ", " : "") + exactText(values[first + i]);
+  return text;
+}
+
+Camera makeCamera(CameraModel model, int width, int height, const std::vector<double>& values) {
+  if (width <= 0 || height <= 0) {
+    throw std::runtime_error("the image size " + std::to_string(width) + " x " +
+                             std::to_string(height) + " is not positive");
+  }
+  const auto expected = static_cast<std::size_t>(Camera::parameterCount(model));
+  const bool with_k3 = model == CameraModel::kRadtan && values.size() == expected + 1;
+  if (values.size() != expected && !with_k3) {
+    throw std::runtime_error("there are " + std::to_string(values.size()) + " parameters; " +
+                             toString(model) + " has " + std::to_string(expected));
+  }
+  const Camera camera(
+      model, width, height,
+      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  if (!camera.valid()) {
+    throw std::runtime_error("its values are out of range: " +
+                             listText(camera.parameters(), 0, camera.parameterCount()));
+  }
+  return camera;
+}
+
+Camera makeDistortedCamera(int width, int height, const std::vector<double>& focal_and_centre,
+                           const std::vector<double>& coefficients) {
+  std::vector<double> values = focal_and_centre;
+  std::vector<double> distortion = coefficients;
+  while (!distortion.empty() && distortion.back() == 0.0) distortion.pop_back();
+  if (distortion.empty()) return makeCamera(CameraModel::kPinhole, width, height, values);
+  if (distortion.size() > 5) {
+    throw std::runtime_error(
+        "it has the coefficients k4, k5, k6 or more, which none of the models pinhole, fov, "
+        "radtan, "
+        "equidistant has");
+  }
+  distortion.resize(std::max<std::size_t>(4, distortion.size()), 0.0);
+  values.insert(values.end(), distortion.begin(), distortion.end());
+  return makeCamera(CameraModel::kRadtan, width, height, values);
+}
+
+std::string chosenName(const std::vector<std::string>& names, const std::string& wanted) {
+  std::string all;
+  for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+  if (names.empty()) throw std::runtime_error("it holds no camera");
+  if (wanted.empty()) {
+    if (names.size() == 1) return names.front();
+    throw std::runtime_error("it holds several cameras (" + all + "); choose one with --camera");
+  }
+  if (std::find(names.begin(), names.end(), wanted) == names.end()) {
+    throw std::runtime_error("it has no camera '" + wanted + "'; there is " + all);
+  }
+  return wanted;
+}
+
+}  // namespace camera_self_calibration

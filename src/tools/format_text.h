@@ -1,0 +1,45 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/tools/calibration_format.h"
+
+// What the readers and writers of the formats share.
+namespace camera_self_calibration {
+
+/// The shortest text that reads back as the same number.
+std::string exactText(double value);
+/// "1, 2, 3" of `count` values from `first` on.
+std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index count);
+
+/// A camera from values read; throws std::runtime_error on a wrong count, a size that is not
+/// positive, or values out of range.
+Camera makeCamera(CameraModel model, int width, int height, const std::vector<double>& values);
+
+/// radtan from k1 k2 p1 p2 and further coefficients of OpenCV's order (k3 k4 k5 k6 ...): without
+/// those that are 0; pinhole if all are. Throws where coefficients after k3 are not 0, since no
+/// model here has them.
+Camera makeDistortedCamera(int width, int height, const std::vector<double>& focal_and_centre,
+                           const std::vector<double>& coefficients);
+
+/// The only entry, or the one wanted. Throws std::runtime_error that names those there are.
+std::string chosenName(const std::vector<std::string>& names, const std::string& wanted);
+
+StoredCalibration parseRos(const std::string& text);
+StoredCalibration parsePlain(const std::string& text);
+StoredCalibration parseKalibr(const std::string& text, const std::string& wanted);
+StoredCalibration parseOpenCv(const std::string& text);
+StoredCalibration parseColmap(const std::string& text, const std::string& wanted);
+StoredCalibration parseOrbSlam3(const std::string& text);
+StoredCalibration parseVins(const std::string& text);
+
+std::string rosText(const Camera& camera, const CalibrationLabels& labels);
+std::string plainText(const Camera& camera);
+std::string kalibrText(const Camera& camera, const CalibrationLabels& labels);
+std::string openCvText(const Camera& camera);
+std::string colmapText(const Camera& camera);
+std::string orbSlam3Text(const Camera& camera, const CalibrationLabels& labels);
+std::string vinsText(const Camera& camera, const CalibrationLabels& labels);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,71 @@
+#include "opencv_storage.h"
+
+#include <opencv2/core.hpp>
+#include <stdexcept>
+
+namespace camera_self_calibration {
+namespace {
+
+[[noreturn]] void missing(const std::string& key) {
+  throw std::runtime_error("'" + key + "' is missing");
+}
+
+double numberOf(const cv::FileNode& node, const std::string& key) {
+  if (node.empty()) missing(key);
+  if (!node.isReal() && !node.isInt()) throw std::runtime_error("'" + key + "' is no number");
+  return node.real();
+}
+
+}  // namespace
+
+OpenCvStorage::OpenCvStorage(const std::string& text) {
+  try {
+    if (!storage_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY)) {
+      throw std::runtime_error("it is no file of OpenCV's FileStorage");
+    }
+  } catch (const cv::Exception& e) {
+    throw std::runtime_error("OpenCV cannot read it: " + e.err);
+  }
+}
+
+bool OpenCvStorage::has(const std::string& key) const { return !storage_[key].empty(); }
+
+bool OpenCvStorage::hasIn(const std::string& group, const std::string& key) const {
+  const cv::FileNode node = storage_[group];
+  return node.isMap() && !node[key].empty();
+}
+
+double OpenCvStorage::number(const std::string& key) const { return numberOf(storage_[key], key); }
+
+int OpenCvStorage::wholeNumber(const std::string& key) const {
+  const cv::FileNode node = storage_[key];
+  if (node.empty()) missing(key);
+  if (!node.isInt()) throw std::runtime_error("'" + key + "' is no whole number");
+  return static_cast<int>(node);
+}
+
+std::string OpenCvStorage::word(const std::string& key) const {
+  const cv::FileNode node = storage_[key];
+  if (node.empty()) missing(key);
+  if (!node.isString()) throw std::runtime_error("'" + key + "' is no text");
+  return node.string();
+}
+
+double OpenCvStorage::numberIn(const std::string& group, const std::string& key) const {
+  const cv::FileNode node = storage_[group];
+  if (!node.isMap()) missing(group);
+  return numberOf(node[key], group + ": " + key);
+}
+
+std::vector<double> OpenCvStorage::matrix(const std::string& key) const {
+  if (storage_[key].empty()) missing(key);
+  try {
+    cv::Mat matrix;
+    storage_[key].mat().convertTo(matrix, CV_64F);
+    return std::vector<double>(matrix.begin<double>(), matrix.end<double>());
+  } catch (const cv::Exception&) {
+    throw std::runtime_error("'" + key + "' is no matrix of numbers");
+  }
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,132 @@
+// The programs convert_calibration and compare_calibration as a user runs them.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/tools/calibration_file.h"
+#include "tools/temporary_folder.h"
+
+namespace camera_self_calibration {
+namespace {
+
+std::string contents(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+struct Outcome {
+  int exit_code = -1;
+  std::string output;  ///< Standard output and error.
+};
+
+Outcome run(const std::string& command) {
+  const TemporaryFolder folder;
+  const int status = std::system((command + " > " + (folder / "log") + " 2>&1").c_str());
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(folder / "log")};
+}
+
+Outcome convert(const std::string& arguments) {
+  return run(std::string(CONVERT_CALIBRATION) + " " + arguments);
+}
+
+Outcome compare(const std::string& arguments) {
+  return run(std::string(COMPARE_CALIBRATION) + " " + arguments);
+}
+
+bool mentions(const Outcome& outcome, const std::string& words) {
+  return outcome.output.find(words) != std::string::npos;
+}
+
+void writeText(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
+
+constexpr const char* kFov =
+    "model: fov\nwidth: 640\nheight: 480\nparams: [311.2, 309.8, 327.4, 233.1, 0.93]\n";
+
+class Conversion : public ::testing::Test {
+ protected:
+  Conversion() { writeText(fov, kFov); }
+
+  const TemporaryFolder folder;
+  const std::string fov = folder / "fov.yaml";
+};
+
+TEST_F(Conversion, RoundAboutThroughAllFormatsStaysWithinTheFit) {
+  std::string from = fov;
+  for (const char* format : {"colmap", "kalibr", "ros", "opencv", "orbslam3", "vins", "plain"}) {
+    const std::string to = folder / (std::string(format) + ".txt");
+    const Outcome outcome = convert(from + " " + to + " --to " + format);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.output;
+    EXPECT_EQ(mentions(outcome, "fitted"), std::string(format) == "ros") << outcome.output;
+    EXPECT_EQ(mentions(outcome, "exact"), std::string(format) != "ros") << outcome.output;
+    from = to;
+  }
+  EXPECT_LT(pixelDistance(readCalibrationFile(fov), readCalibrationFile(from)).max, 0.05);
+}
+
+TEST_F(Conversion, TheFitIsNotedInTheFile) {
+  const std::string out = folder / "cam0.yaml";
+  ASSERT_EQ(convert(fov + " " + out + " --to vins --name front").exit_code, 0);
+  EXPECT_NE(contents(out).find("# fitted to fov"), std::string::npos) << contents(out);
+  EXPECT_NE(contents(out).find("camera_name: front"), std::string::npos);
+  EXPECT_EQ(contents(out).rfind("%YAML:1.0\n---\n", 0), 0u) << "OpenCV insists on it";
+}
+
+TEST_F(Conversion, ErrorsSayWhatToDo) {
+  EXPECT_EQ(convert("--help").exit_code, 0);
+  const Outcome nothing = convert("");
+  EXPECT_EQ(nothing.exit_code, 1);
+  EXPECT_TRUE(mentions(nothing, "--help"));
+  EXPECT_TRUE(mentions(convert(fov + " x.yaml --to matlab"), "orbslam3"));
+  EXPECT_TRUE(mentions(convert((folder / "none.yaml") + " x.yaml --to ros"), "opened"));
+  EXPECT_TRUE(mentions(convert(folder.string() + " x.yaml --to ros"), "is a folder"));
+  EXPECT_TRUE(mentions(convert(fov + " " + fov + " --to ros"), "same file"));
+  EXPECT_EQ(contents(fov), kFov) << "the original is untouched";
+  const Outcome unwritable = convert(fov + " " + (folder / "no/folder.yaml") + " --to ros");
+  EXPECT_EQ(unwritable.exit_code, 1);
+  EXPECT_TRUE(mentions(unwritable, "cannot be written")) << unwritable.output;
+  writeText(folder / "bad.yaml", "just text");
+  EXPECT_TRUE(mentions(convert((folder / "bad.yaml") + " x.yaml --to ros"), "none of the formats"));
+}
+
+TEST_F(Conversion, ARefusedConversionLeavesTheOldFile) {
+  writeText(folder / "old.yaml", kFov);
+  writeText(folder / "bad.yaml", "model: fov\nwidth: 640\nheight: 480\nparams: [1, 2]\n");
+  EXPECT_EQ(convert((folder / "bad.yaml") + " " + (folder / "old.yaml") + " --to ros").exit_code,
+            1);
+  EXPECT_EQ(contents(folder / "old.yaml"), kFov);
+}
+
+TEST_F(Conversion, ComparesAcrossFormatsAndDraws) {
+  ASSERT_EQ(convert(fov + " " + (folder / "cameras.txt") + " --to colmap").exit_code, 0);
+  const std::string same = fov + " " + (folder / "cameras.txt");
+  const Outcome equal = compare(same + " --limit 0.001");
+  EXPECT_EQ(equal.exit_code, 0) << equal.output;
+  EXPECT_TRUE(mentions(equal, "distance 0.000 px rms")) << equal.output;
+
+  writeText(folder / "other.yaml",
+            "model: fov\nwidth: 640\nheight: 480\nparams: [314.2, 312.8, 327.4, 233.1, 0.93]\n");
+  const std::string picture = folder / "difference.png";
+  const Outcome other =
+      compare(fov + " " + (folder / "other.yaml") + " --limit 0.5 --out " + picture);
+  EXPECT_EQ(other.exit_code, 2) << other.output;
+  EXPECT_TRUE(mentions(other, "B - A"));
+  EXPECT_EQ(cv::imread(picture).cols, 760);
+}
+
+TEST_F(Conversion, DifferentSizesAreNotCompared) {
+  writeText(folder / "small.yaml",
+            "model: fov\nwidth: 320\nheight: 240\nparams: [155, 155, 163, 116, 0.93]\n");
+  const Outcome outcome = compare(fov + " " + (folder / "small.yaml"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_TRUE(mentions(outcome, "640 x 480")) << outcome.output;
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
