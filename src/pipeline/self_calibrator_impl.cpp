@@ -181,6 +181,13 @@ void SelfCalibrator::Impl::processImage(const ImageView& image) {
       frame, [this] { return tracker.detect(); }, begin);
 }
 
+MapView SelfCalibrator::Impl::mapView(const FrontEndOutput& output) const {
+  const KeyframeMessage& message = *output.keyframe;
+  const bool starting = !message.history.keyframes.empty();
+  return {output.result.map_id, front_end->camera(),
+          starting ? message.history : message.candidate};
+}
+
 void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
                                         const std::function<std::vector<Track>()>& detect,
                                         std::chrono::steady_clock::time_point begin) {
@@ -197,6 +204,7 @@ void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
   tracking = output.result.state == TrackingState::kTracking;
   for (const Event& event : output.events) raise(event);
   if (output.keyframe) {
+    if (callbacks.map) callbacks.map(mapView(output));
     output.keyframe->beginning = beginning;
     if (mode == Mode::kInline) {
       processKeyframe(*output.keyframe);

@@ -45,6 +45,9 @@ Callbacks CalibrationSession::continued() const {
   result.frame = [this](const FrameResult& frame) { pass(frame); };
   result.calibration = [this](const CalibrationReport& report) { pass(report); };
   result.event = callbacks_.event;
+  result.map = [this](const MapView& view) {
+    if (callbacks_.map) callbacks_.map({view.map_id + base_.map_id, view.camera, view.newest});
+  };
   return result;
 }
 

@@ -74,6 +74,7 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   start_camera_ = std::make_unique<StartCamera>(&options_, factory_.get());
   results_ = std::make_unique<ResultPublisher>(private_node_, options_);
   camera_publisher_ = std::make_unique<CameraPublisher>(private_node_, camera_info_policy_.get());
+  visualizer_ = std::make_unique<Visualizer>(private_node_, options_);
   session_ = std::make_unique<CalibrationSession>(options_.pipeline, callbacks());
   if (factory_) factory_->subscribe(node_);
   keeper_ = std::make_unique<CalibrationKeeper>(private_node_, options_, name, input_->topic(),
@@ -114,6 +115,7 @@ void SelfCalibrationNode::onImage(const InputImage& image) {
   if (verdict == InputVerdict::kReject || !ready()) return;
   results_->setImageFrame(image.header.frame_id);
   diagnostics_->setFrameProblem(results_->frameProblem());
+  visualizer_->add(*image.gray.view, image.header.frame_id);
   if (!session_->process(*image.gray.view)) ++dropped_images_;
 }
 
@@ -185,6 +187,7 @@ Callbacks SelfCalibrationNode::callbacks() {
   callbacks.frame = [this](const FrameResult& result) {
     const std::int64_t dropped = dropped_images_;
     diagnostics_->update(result, dropped);
+    visualizer_->add(result);
     results_->publish(result, dropped);
   };
   callbacks.calibration = [this](const CalibrationReport& report) {
@@ -193,9 +196,13 @@ Callbacks SelfCalibrationNode::callbacks() {
     diagnostics_->update(report);
     if (factory_) factory_->update(report);
     size_memory_->update(report);
+    visualizer_->add(report);
     results_->publish(report);
   };
   callbacks.event = [this](const Event& event) { raise(event); };
+  callbacks.map = [this](const MapView& view) {
+    visualizer_->add(view.map_id, view.camera, view.newest);
+  };
   return callbacks;
 }
 

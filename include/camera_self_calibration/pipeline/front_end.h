@@ -66,6 +66,9 @@ class FrontEnd {
 
   void adopt(const CalibrationUpdate& update);
 
+  /// The intrinsics of the map.
+  const Camera& camera() const { return window_.camera(); }
+
   /// Starts a new map at the next frame, from the last pose; the calibration stays.
   void resetMap();
 

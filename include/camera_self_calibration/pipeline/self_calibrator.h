@@ -1,16 +1,25 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
 
 #include "camera_self_calibration/pipeline/front_end.h"
+#include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/tracking/image_view.h"
 
 namespace camera_self_calibration {
+
+/// The newest part of the map, at a keyframe. Lives as long as the call.
+struct MapView {
+  std::uint64_t map_id = 0;
+  const Camera& camera;   ///< That its poses and depths were estimated with.
+  const Segment& newest;  ///< The last keyframes; all of the startup batch before hand-over.
+};
 
 /// Called from the thread that produced the result; must not call back into the SelfCalibrator.
 /// Empty functions are skipped.
@@ -21,6 +30,7 @@ struct Callbacks {
   /// What each keyframe brings to the back end, before it is processed there: the newest window with
   /// its tracks. For whole-trajectory solutions and other observers.
   std::function<void(const KeyframeMessage&)> keyframe;
+  std::function<void(const MapView&)> map;  ///< Each keyframe, before its report.
 };
 
 /// Images in, trajectory and intrinsics out: the whole system of fig. 3, without ROS.

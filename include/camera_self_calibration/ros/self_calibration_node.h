@@ -19,6 +19,7 @@
 #include "camera_self_calibration/ros/node_options.h"
 #include "camera_self_calibration/ros/result_publisher.h"
 #include "camera_self_calibration/ros/size_memory.h"
+#include "camera_self_calibration/ros/visualizer.h"
 #include "camera_self_calibration/ros/start_camera.h"
 
 namespace camera_self_calibration {
@@ -60,6 +61,7 @@ class SelfCalibrationNode {
   std::unique_ptr<Diagnostics> diagnostics_;
   std::unique_ptr<ResultPublisher> results_;
   std::unique_ptr<CameraPublisher> camera_publisher_;
+  std::unique_ptr<Visualizer> visualizer_;
   std::unique_ptr<CalibrationSession> session_;
   std::unique_ptr<CalibrationKeeper> keeper_;
   std::unique_ptr<LiveParameters> live_parameters_;

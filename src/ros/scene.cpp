@@ -1,0 +1,159 @@
+#include "camera_self_calibration/ros/scene.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "camera_self_calibration/plotting/convergence_chart.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr std::size_t kMaxKeyframes = 2000;
+// The newest keyframes are all kept when the others are thinned out.
+constexpr std::int64_t kNewest = 200;
+constexpr std::size_t kMaxLandmarks = 6000;
+// Landmarks further away than this many times the median are too uncertain to show.
+constexpr double kFar = 8.0;
+constexpr int kMinSightings = 4;
+
+Eigen::Vector3d rayOf(const Landmark& landmark, const Camera& camera) {
+  if (!landmark.anchored) return landmark.bearing;
+  return camera.unproject(landmark.reference_pixel).value_or(Eigen::Vector3d::Zero());
+}
+
+struct Sightings {
+  int count = 0;
+  int last_keyframe = -1;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< In the last keyframe.
+};
+
+/// Of each landmark.
+std::vector<Sightings> countSightings(const Segment& segment) {
+  std::vector<Sightings> all(segment.landmarks.size());
+  for (const Observation& observation : segment.observations) {
+    Sightings& sightings = all[static_cast<std::size_t>(observation.landmark)];
+    ++sightings.count;
+    if (observation.keyframe <= sightings.last_keyframe) continue;
+    sightings.last_keyframe = observation.keyframe;
+    sightings.pixel = observation.pixel;
+  }
+  return all;
+}
+
+int brightnessAt(const ImageView& image, const Eigen::Vector2d& pixel) {
+  const int x = std::clamp(static_cast<int>(std::lround(pixel.x())), 0, image.width - 1);
+  const int y = std::clamp(static_cast<int>(std::lround(pixel.y())), 0, image.height - 1);
+  return image.data[static_cast<std::ptrdiff_t>(y) * image.stride + x];
+}
+
+}  // namespace
+
+void Scene::add(std::uint64_t map_id, const Segment& newest) {
+  if (map_id != map_id_) clear();
+  map_id_ = map_id;
+  for (const Keyframe& keyframe : newest.keyframes) keyframes_[keyframe.id] = keyframe;
+  if (keyframes_.size() > kMaxKeyframes) thinOut();
+  measure(newest);
+}
+
+void Scene::add(const FrameResult& frame) {
+  if (frame.map_id == map_id_ && frame.state == TrackingState::kTracking) {
+    world_from_camera_ = frame.world_from_camera;
+  }
+}
+
+void Scene::clear() {
+  keyframes_.clear();
+  landmarks_.clear();
+  stretches_.clear();
+  world_from_camera_ = Rigid3();
+}
+
+// A thinned trajectory would leave little of a segment, so its stretch is kept at its longest.
+void Scene::add(const CalibrationReport& report) {
+  report_ = report;
+  std::map<std::int64_t, std::vector<Eigen::Vector3d>> kept;
+  for (const SegmentReport& segment : report.queue.segments) {
+    std::vector<Eigen::Vector3d> positions;
+    for (const auto& [id, keyframe] : keyframes_) {
+      if (keyframe.stamp_ns < segment.begin_ns || keyframe.stamp_ns > segment.end_ns) continue;
+      positions.push_back(keyframe.world_from_camera.translation);
+    }
+    const auto known = stretches_.find(segment.sequence);
+    const bool known_is_longer =
+        known != stretches_.end() && known->second.size() > positions.size();
+    kept[segment.sequence] = known_is_longer ? known->second : positions;
+  }
+  stretches_.swap(kept);
+}
+
+std::vector<Scene::Stretch> Scene::queue() const {
+  std::vector<Stretch> all;
+  for (const SegmentReport& segment : report_.queue.segments) {
+    const auto found = stretches_.find(segment.sequence);
+    if (found == stretches_.end() || found->second.size() < 2) continue;
+    all.push_back({found->second, scoreShare(segment, report_.queue)});
+  }
+  return all;
+}
+
+void Scene::measure(const Segment& segment) {
+  std::vector<double> depths;
+  for (const Landmark& landmark : segment.landmarks) {
+    if (landmark.inverse_depth > 0.0) depths.push_back(1.0 / landmark.inverse_depth);
+  }
+  if (depths.empty()) return;
+  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
+  std::nth_element(depths.begin(), middle, depths.end());
+  unit_ = *middle;
+}
+
+void Scene::addLandmarks(const Camera& camera, const Segment& newest, const ImageView* image) {
+  const std::vector<Sightings> sightings = countSightings(newest);
+  for (std::size_t i = 0; i < newest.landmarks.size(); ++i) {
+    const Landmark& landmark = newest.landmarks[i];
+    const double rho = landmark.inverse_depth;
+    if (sightings[i].count < kMinSightings || !(rho * kFar * unit_ > 1.0)) continue;
+    const Keyframe& reference = newest.keyframes[static_cast<std::size_t>(landmark.reference)];
+    Point& point = landmarks_[landmark.track_id];
+    point.position = reference.world_from_camera * (rayOf(landmark, camera) / rho);
+    const bool in_image =
+        sightings[i].last_keyframe + 1 == static_cast<int>(newest.keyframes.size());
+    if (image != nullptr && in_image) point.brightness = brightnessAt(*image, sightings[i].pixel);
+  }
+  while (landmarks_.size() > kMaxLandmarks) landmarks_.erase(landmarks_.begin());
+}
+
+void Scene::thinOut() {
+  const std::int64_t newest = keyframes_.rbegin()->first;
+  bool drop = false;
+  for (auto i = keyframes_.begin(); i != keyframes_.end() && i->first < newest - kNewest;) {
+    i = drop ? keyframes_.erase(i) : std::next(i);
+    drop = !drop;
+  }
+}
+
+std::vector<Eigen::Vector3d> fieldOfView(const Camera& camera, int per_side) {
+  const Eigen::Vector2d high(camera.width() - 1, camera.height() - 1);
+  const std::vector<Eigen::Vector2d> corners = {
+      {0.0, 0.0}, {high.x(), 0.0}, high, {0.0, high.y()}, {0.0, 0.0}};
+  const Eigen::Vector2d centre = camera.parameters().segment<2>(2);
+  constexpr int kSteps = 50;
+  std::vector<Eigen::Vector3d> rays;
+  for (std::size_t side = 0; side < 4; ++side) {
+    for (int i = 0; i < per_side; ++i) {
+      const Eigen::Vector2d border =
+          corners[side] + (corners[side + 1] - corners[side]) * i / per_side;
+      for (int step = 0; step < kSteps; ++step) {
+        const Eigen::Vector2d pixel = border + (centre - border) * step / kSteps;
+        const auto ray = camera.unproject(pixel);
+        if (!ray) continue;
+        rays.push_back(*ray);
+        break;
+      }
+    }
+  }
+  return rays;
+}
+
+}  // namespace camera_self_calibration
