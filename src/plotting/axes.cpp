@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace camera_self_calibration {
 namespace {
@@ -66,12 +67,15 @@ cv::Point2d Axes::at(double x_value, double y_value) const {
 }
 
 void drawAxes(const Axes& axes, const Palette& colours, Sheet* sheet) {
-  const int count = std::max(1, static_cast<int>(axes.area.height / 26.0));
+  const int count = std::max(2, static_cast<int>(axes.area.height / 26.0));
   const std::vector<double> ticks =
       axes.logarithmic_y ? logarithmicTicks(axes.y) : roundTicks(axes.y, count);
+  double last_y = std::numeric_limits<double>::infinity();
   for (const double tick : ticks) {
     const double y = axes.at(axes.x.low, tick).y;
     sheet->line({axes.area.x, y}, {axes.area.x + axes.area.width, y}, colours.grid, 0.5);
+    if (last_y - y < 1.5 * kTickText) continue;  // no room for another number
+    last_y = y;
     sheet->text(axes.logarithmic_y ? shortText(tick) : tickText(tick, stepOf(ticks)),
                 {axes.area.x - 6.0, y + 0.5 * kTickText}, kTickText, colours.faint_text,
                 Align::kRight);

@@ -18,8 +18,8 @@ constexpr double kTitleHeight = 17.0;  // above each panel
 constexpr double kLeft = 58.0;
 constexpr double kRight = 16.0;
 constexpr double kLabel = 7.5;  // letters [px]
-// With more parameters than this they stand in two columns.
-constexpr int kOneColumn = 5;
+// Where rows of one column would be lower than this there are two [px].
+constexpr double kLowestRow = 70.0;
 
 /// Draws the parts of one chart one below the other.
 class Chart {
@@ -37,23 +37,30 @@ class Chart {
 
   cv::Mat draw() {
     drawHeader();
-    const int parameters = report_.camera.parameterCount();
-    const int columns = parameters > kOneColumn ? 2 : 1;
-    const int rows = (parameters + columns - 1) / columns + 1;
-    const double top = kHeaderHeight;
-    const double height = (style_.height - top - kQueueHeight - kFooterHeight) / rows;
-    const double width = static_cast<double>(style_.width) / columns;
-    for (int i = 0; i < parameters; ++i) {
-      const cv::Rect2d cell(width * (i % columns), top + height * (i / columns), width, height);
-      drawParameter(i, panelIn(cell));
-    }
-    const double error_top = top + height * (rows - 1);
-    drawPixelError(panelIn({0.0, error_top, double(style_.width), height}));
-    drawQueue(panelIn({0.0, error_top + height, double(style_.width), kQueueHeight}));
+    const double queue_top = style_.height - kQueueHeight - kFooterHeight;
+    drawCurves({0.0, kHeaderHeight, double(style_.width), queue_top - kHeaderHeight});
+    drawQueue(panelIn({0.0, queue_top, double(style_.width), kQueueHeight}));
     return sheet_.image();
   }
 
  private:
+  /// The parameters, and then the expected error in what is left of the last row.
+  void drawCurves(const cv::Rect2d& area) {
+    const int parameters = report_.camera.parameterCount();
+    const bool one_column = area.height >= kLowestRow * (parameters + 1);
+    const int columns = one_column ? 1 : 2;
+    const double width = area.width / columns;
+    const double height = area.height / (parameters / columns + 1);
+    const auto corner = [&](int i) {
+      return cv::Point2d(width * (i % columns), area.y + height * (i / columns));
+    };
+    for (int i = 0; i < parameters; ++i) {
+      drawParameter(i, panelIn(cv::Rect2d(corner(i), cv::Size2d(width, height))));
+    }
+    const cv::Point2d last = corner(parameters);
+    drawPixelError(panelIn({last.x, last.y, area.width - last.x, height}));
+  }
+
   /// Only those of the newest model: a chart cannot show the parameters of two.
   static std::vector<ConvergencePoint> pointsOfModel(const ConvergenceHistory& history) {
     std::vector<ConvergencePoint> all = history.points();
@@ -136,7 +143,7 @@ class Chart {
     sheet_.curve(line, colours_.curve, 1.4, panel);
     states(axes);
     marks(axes);
-    title(panel, "expected error over the image [px rms]", "");
+    title(panel, "expected error [px rms]", "");
   }
 
   void drawQueue(const cv::Rect2d& panel) {

@@ -197,6 +197,8 @@ void Visualizer::publishChart() {
     ++counts_.charts;
   }
   style.theme = Theme::kDark;
+  style.width = 640;
+  style.height = 500;
   std::int64_t stamp_ns = 0;
   if (!history.empty()) {
     stamp_ns = history.latest().stamp_ns;

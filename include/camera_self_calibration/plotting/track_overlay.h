@@ -20,7 +20,7 @@ class TrackTrails {
     int images = 0;                      ///< In how many images the track was seen since add().
   };
 
-  explicit TrackTrails(std::size_t max_pixels = 12) : max_pixels_(max_pixels) {}
+  explicit TrackTrails(std::size_t max_pixels = 8) : max_pixels_(max_pixels) {}
 
   void add(const TrackedFrame& frame);
   void clear() { trails_.clear(); }
