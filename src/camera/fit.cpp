@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "camera_self_calibration/camera/fit_without_k3.h"
 #include "pixel_grid.h"
 
 namespace camera_self_calibration {

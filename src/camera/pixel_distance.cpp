@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "camera_self_calibration/camera/pixel_difference.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "pixel_grid.h"
 

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "camera_self_calibration/camera/fit_without_k3.h"
 #include "format_text.h"
 
 namespace camera_self_calibration {

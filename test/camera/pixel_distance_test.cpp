@@ -8,6 +8,7 @@
 #include <random>
 
 #include "camera/sample_cameras.h"
+#include "camera_self_calibration/camera/pixel_difference.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {

@@ -26,8 +26,4 @@ std::optional<CameraFit> fitCamera(const Camera& source, CameraModel target);
 std::optional<CameraFit> fitCamera(const RationalPolynomial& source, int width, int height,
                                    CameraModel target);
 
-/// The radtan camera with four coefficients that projects most like one with five; for programs
-/// that know no k3.
-std::optional<CameraFit> fitWithoutK3(const Camera& radtan);
-
 }  // namespace camera_self_calibration

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <vector>
-
 #include "camera_self_calibration/camera/camera.h"
 
 namespace camera_self_calibration {
@@ -35,19 +32,5 @@ std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
 /// pixel of `a` projects in `b`. Grid points further than `max_radius_px` from a's principal point
 /// are left out.
 PixelError pixelDistance(const Camera& a, const Camera& b, double max_radius_px = 1e9);
-
-/// Where pixelDistance() comes from.
-struct PixelDifference {
-  struct Point {
-    Eigen::Vector2d pixel;   ///< Of a's grid.
-    Eigen::Vector2d offset;  ///< Where b sees the same ray, less `pixel` [px].
-  };
-  PixelError error;
-  double rotation_deg = 0.0;  ///< Angle of the rotation that was removed.
-  std::vector<Point> points;
-  int refused = 0;  ///< Points of the grid whose ray `b` cannot project.
-};
-
-PixelDifference pixelDifference(const Camera& a, const Camera& b, double max_radius_px = 1e9);
 
 }  // namespace camera_self_calibration

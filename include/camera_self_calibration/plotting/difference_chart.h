@@ -2,7 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/camera/pixel_difference.h"
 #include "camera_self_calibration/plotting/palette.h"
 
 namespace camera_self_calibration {

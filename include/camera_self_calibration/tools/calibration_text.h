@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/camera/pixel_difference.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 
 namespace camera_self_calibration {
