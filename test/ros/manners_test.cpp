@@ -134,14 +134,14 @@ class Manners : public testing::Test {
 };
 
 TEST_F(Manners, TwentyTimesLoadedAndUnloadedLeavesNothingBehind) {
-  const Stream stream("/left/image_raw", 320, 30.0);
+  const Stream stream("/left_camera/image_raw", 320, 30.0);
   Recorder<TrackingStatus> status("/left/tracking_status");
   const int pid = pidOf("/manager");
   ASSERT_GT(pid, 0);
   long memory_before = 0;
   long threads_before = 0;
   for (int round = 0; round < 20; ++round) {
-    ASSERT_TRUE(loadNodelet("/left", "/left/image_raw")) << round;
+    ASSERT_TRUE(loadNodelet("/left", "/left_camera/image_raw")) << round;
     EXPECT_TRUE(hears(status, 3)) << round;
     ASSERT_TRUE(unloadNodelet("/left")) << round;
     ASSERT_FALSE(holds("/left"));
@@ -162,10 +162,10 @@ TEST_F(Manners, TwentyTimesLoadedAndUnloadedLeavesNothingBehind) {
 }
 
 TEST_F(Manners, TwoCamerasInOneManagerKeepApart) {
-  const Stream left_stream("/left/image_raw", 320, 15.0);
-  const Stream right_stream("/right/image_raw", 256, 15.0);
-  ASSERT_TRUE(loadNodelet("/left", "/left/image_raw"));
-  ASSERT_TRUE(loadNodelet("/right", "/right/image_raw"));
+  const Stream left_stream("/left_camera/image_raw", 320, 15.0);
+  const Stream right_stream("/right_camera/image_raw", 256, 15.0);
+  ASSERT_TRUE(loadNodelet("/left", "/left_camera/image_raw"));
+  ASSERT_TRUE(loadNodelet("/right", "/right_camera/image_raw"));
   Recorder<Calibration> left("/left/calibration"), right("/right/calibration");
   Recorder<sensor_msgs::CameraInfo> left_info("/left/camera_info"),
       right_info("/right/camera_info");
@@ -191,8 +191,8 @@ TEST_F(Manners, TwoCamerasInOneManagerKeepApart) {
 }
 
 TEST_F(Manners, LiveParametersChangeWhileItRuns) {
-  const Stream stream("/left/image_raw", 320, 15.0);
-  ASSERT_TRUE(loadNodelet("/left", "/left/image_raw"));
+  const Stream stream("/left_camera/image_raw", 320, 15.0);
+  ASSERT_TRUE(loadNodelet("/left", "/left_camera/image_raw"));
   // The client waits for answers that another thread has to hear.
   ros::CallbackQueue queue;
   ros::NodeHandle client_node("/left");
