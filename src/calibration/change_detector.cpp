@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <utility>
 
 #include "camera_self_calibration/calibration/change_course.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/median.h"
 
 namespace camera_self_calibration {
@@ -18,6 +20,10 @@ constexpr double kDoubt = 1e-2;            // p-value below which nothing enters
 constexpr double kUnfounded = 0.1;         // p-value above which a suspicion was for nothing
 constexpr int kMinLaterKeyframes = 3;      // after a suspected onset, to decide
 constexpr int kMinEarlierKeyframes = 2;    // before it, for their structure to be of use
+constexpr int kFindings = 2;               // keyframes in a row that find the same new lens
+constexpr double kSameLens = 0.5;  // distance between two findings, as a share of the change
+// Statistic per observation that needs no second finding: no wrong minimum is as bad.
+constexpr double kBlatant = 1.0;
 constexpr std::size_t kStretches = 16;
 constexpr std::size_t kPools[] = {2, 4, 8};
 constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a drift made stale
@@ -70,6 +76,29 @@ void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
 ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& candidate,
                                       std::int64_t suspected_onset_ns, const QueueEstimate& queue,
                                       const QueueSolution& solution) {
+  ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue, solution);
+  const bool by_window = verdict.kind == Kind::kChange && verdict.recent.empty();
+  if (by_window) return confirmed(std::move(verdict), solution.camera);
+  findings_ = 0;
+  return verdict;
+}
+
+ChangeVerdict ChangeDetector::confirmed(ChangeVerdict verdict, const Camera& before) {
+  const double change = pixelDistance(before, verdict.camera).rms;
+  const bool again =
+      findings_ > 0 && pixelDistance(found_, verdict.camera).rms < kSameLens * change;
+  findings_ = again ? findings_ + 1 : 1;
+  found_ = verdict.camera;
+  if (findings_ >= kFindings || verdict.excess > kBlatant) return verdict;
+  verdict.kind = Kind::kDoubt;
+  verdict.reason += ", if the next keyframes say the same";
+  return verdict;
+}
+
+ChangeVerdict ChangeDetector::examineKeyframe(const Segment& window, const Candidate& candidate,
+                                              std::int64_t suspected_onset_ns,
+                                              const QueueEstimate& queue,
+                                              const QueueSolution& solution) {
   measureInterval(window.endNs());
   usual_residual_scale_ = usualResidualScale(queue);
   ChangeVerdict verdict;
@@ -144,6 +173,7 @@ ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_k
     verdict.onset_ns = window.keyframes[earlier_keyframes].stamp_ns;
     verdict.camera = change.camera;
     verdict.information = change.information;
+    verdict.excess = change.statistic / static_cast<double>(change.segment.observations.size());
     verdict.segment = std::move(change.segment);
   }
   return verdict;

@@ -22,12 +22,13 @@ struct ChangeVerdict {
     kChange    ///< The lens changed at onset_ns: an alarm.
   };
   Kind kind = Kind::kSame;
-  double p_value = 1.0;             ///< Of the decisive statistic.
-  std::int64_t onset_ns = 0;        ///< kChange: stamp of the first keyframe after the change.
-  Camera camera;                    ///< kChange, kDrift: the estimate for what is seen now.
-  IntrinsicsMatrix information;     ///< Of `camera`, n_c x n_c.
-  Segment segment;                  ///< kChange: the newest stretch, solved; may begin earlier.
-  std::vector<Candidate> recent;    ///< kChange, kDrift: disjoint stretches after the change.
+  double p_value = 1.0;           ///< Of the decisive statistic.
+  std::int64_t onset_ns = 0;      ///< kChange: stamp of the first keyframe after the change.
+  Camera camera;                  ///< kChange, kDrift: the estimate for what is seen now.
+  IntrinsicsMatrix information;   ///< Of `camera`, n_c x n_c.
+  double excess = 0.0;            ///< kChange by the newest window: its statistic per observation.
+  Segment segment;                ///< kChange: the newest stretch, solved; may begin earlier.
+  std::vector<Candidate> recent;  ///< kChange, kDrift: disjoint stretches after the change.
   std::vector<std::int64_t> stale;  ///< kDrift: sequences of the queue's segments to retire.
   std::string reason;               ///< In words, but for kSame.
 };
@@ -37,7 +38,9 @@ struct ChangeVerdict {
 /// before the suspected onset held (testLensChange). Slow: disjoint windows, one by one and the
 /// newest two, four and eight together, against the queue without what overlaps them (agreement).
 /// Every keyframe spends the share `rate * interval / 3600 s` of the allowed false alarms, over all
-/// its tests (Bonferroni).
+/// its tests (Bonferroni). An alarm of the newest window is raised when a few keyframes in a row
+/// find the same new lens: a window solved into a wrong minimum says something else at each
+/// keyframe.
 class ChangeDetector {
  public:
   /// Alarms per hour while nothing changes; 0: never any alarm.
@@ -50,7 +53,10 @@ class ChangeDetector {
                         const QueueSolution& solution);
 
   /// Forgets what was seen, at the beginning of an epoch.
-  void reset() { recent_.clear(); }
+  void reset() {
+    recent_.clear();
+    findings_ = 0;
+  }
 
   /// p-value below which the newest keyframe's tests raise an alarm.
   double limit() const;
@@ -62,6 +68,10 @@ class ChangeDetector {
   };
 
   void measureInterval(std::int64_t stamp_ns);
+  ChangeVerdict examineKeyframe(const Segment& window, const Candidate& candidate,
+                                std::int64_t suspected_onset_ns, const QueueEstimate& queue,
+                                const QueueSolution& solution);
+  ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
   ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
                               const Reference& reference) const;
   void remember(const Candidate& candidate, const Evidence& evidence);
@@ -74,6 +84,8 @@ class ChangeDetector {
   std::int64_t last_stamp_ns_ = 0;
   double usual_residual_scale_ = 1.0;
   std::deque<Stretch> recent_;  // disjoint, in the order of time
+  int findings_ = 0;            // keyframes in a row that found the lens `found_`
+  Camera found_;
 };
 
 }  // namespace camera_self_calibration
