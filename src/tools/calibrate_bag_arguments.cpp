@@ -1,12 +1,12 @@
 #include "camera_self_calibration/tools/calibrate_bag_arguments.h"
 
 #include <boost/program_options.hpp>
-#include <iostream>
 #include <stdexcept>
 
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
+#include "command_line.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -135,18 +135,9 @@ void readComparisons(const po::variables_map& given, CalibrateBagArguments* argu
 
 std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const char* const* argv) {
   CalibrateBagArguments arguments;
-  const po::options_description all = description(&arguments);
-  po::variables_map given;
-  po::store(po::command_line_parser(argc, argv)
-                .options(all)
-                .positional(po::positional_options_description().add("input", 1))
-                .run(),
-            given);
-  po::notify(given);
-  if (given.count("help") > 0) {
-    std::cout << kUsage << '\n' << all;
-    return std::nullopt;
-  }
+  const auto read = readCommandLine(argc, argv, description(&arguments), {"input"}, kUsage);
+  if (!read) return std::nullopt;
+  const po::variables_map& given = *read;
   checkSource(arguments.source);
   arguments.options.choose_model =
       given.count("model") > 0 && given["model"].as<std::string>() == "auto";

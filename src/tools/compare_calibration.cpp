@@ -9,6 +9,7 @@
 #include "camera_self_calibration/plotting/difference_chart.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/calibration_text.h"
+#include "command_line.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -84,14 +85,9 @@ int run(const Arguments& arguments) {
 
 std::optional<Arguments> parse(int argc, const char* const* argv) {
   Arguments arguments;
-  const po::options_description all = description(&arguments);
-  po::positional_options_description positional;
-  positional.add("a", 1).add("b", 1);
-  po::variables_map given;
-  po::store(po::command_line_parser(argc, argv).options(all).positional(positional).run(), given);
-  po::notify(given);
-  if (given.count("help") == 0) return arguments;
-  std::cout << kUsage << '\n' << all;
+  if (readCommandLine(argc, argv, description(&arguments), {"a", "b"}, kUsage)) {
+    return arguments;
+  }
   return std::nullopt;
 }
 

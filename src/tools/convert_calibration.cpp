@@ -8,6 +8,7 @@
 
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/calibration_text.h"
+#include "command_line.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -94,14 +95,9 @@ int run(const Arguments& arguments) {
 
 std::optional<Arguments> parse(int argc, const char* const* argv) {
   Arguments arguments;
-  const po::options_description all = description(&arguments);
-  po::positional_options_description positional;
-  positional.add("in", 1).add("out", 1);
-  po::variables_map given;
-  po::store(po::command_line_parser(argc, argv).options(all).positional(positional).run(), given);
-  po::notify(given);
-  if (given.count("help") == 0) return arguments;
-  std::cout << kUsage << '\n' << all;
+  if (readCommandLine(argc, argv, description(&arguments), {"in", "out"}, kUsage)) {
+    return arguments;
+  }
   return std::nullopt;
 }
 
