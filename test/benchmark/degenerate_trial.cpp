@@ -1,0 +1,233 @@
+#include "benchmark/degenerate_trial.h"
+
+#include <malloc.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <memory>
+#include <optional>
+
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/pipeline/self_calibrator.h"
+#include "camera_self_calibration/simulation/feature_tracks.h"
+#include "camera_self_calibration/simulation/random.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr std::int64_t kStartNs = 1000000000;
+constexpr int kKeyframesToJudge = 12;
+
+double cpuSeconds() {
+  timespec now;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+// Bytes in use of the whole process.
+double heapBytes() {
+#if __GLIBC_PREREQ(2, 33)
+  const struct mallinfo2 info = mallinfo2();
+#else
+  const struct mallinfo info = mallinfo();
+#endif
+  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
+}
+
+char initialOf(CalibrationState state) {
+  switch (state) {
+    case CalibrationState::kWaitingForMotion:
+      return 'W';
+    case CalibrationState::kInitializing:
+      return 'I';
+    case CalibrationState::kConverging:
+      return 'c';
+    case CalibrationState::kConverged:
+      return 'C';
+    case CalibrationState::kDegenerate:
+      return 'D';
+  }
+  return '?';
+}
+
+class Runner {
+ public:
+  Runner(const DegenerateTrial& trial, double expense_s)
+      : trial_(trial),
+        expense_s_(expense_s),
+        random_(mixSeed(trial.seed, 77)),
+        tracks_(makeTracks()) {
+    Options options;
+    options.model = trial.truth.model();
+    const double before = heapBytes();
+    calibrator_ =
+        std::make_unique<SelfCalibrator>(options, SelfCalibrator::Mode::kInline, callbacks());
+    held_bytes_ = heapBytes() - before;
+  }
+
+  DegenerateOutcome run() {
+    const double begin = cpuSeconds();
+    const double first_s = trial_.good_first ? trial_.good_s : trial_.degenerate_s;
+    const int first = static_cast<int>((trial_.skip_first ? first_s : 0.0) * trial_.rate_hz);
+    const int end = static_cast<int>((trial_.degenerate_s + trial_.good_s) * trial_.rate_hz);
+    for (int i = first; i < end && !isOver(); ++i) step(i);
+    closeExpense();
+    outcome_.cpu_s = cpuSeconds() - begin;
+    outcome_.final_state = toString(report_.state);
+    if (outcome_.state.empty()) outcome_.state = outcome_.final_state;
+    outcome_.error_px = distanceToTruth(report_.camera);
+    outcome_.stated_px = report_.uncertainty.rms;
+    return outcome_;
+  }
+
+ private:
+  // A calibration that has converged in the good motion after all is watched for a while yet.
+  bool isOver() const {
+    constexpr double kWatchedS = 2.0;
+    return !trial_.good_first && outcome_.recovered_s >= 0.0 &&
+           time_s_ > trial_.degenerate_s + outcome_.recovered_s + kWatchedS;
+  }
+
+  bool isDegenerate(double time_s) const {
+    return trial_.good_first ? time_s >= trial_.good_s : time_s < trial_.degenerate_s;
+  }
+
+  FeatureTracks makeTracks() {
+    DegenerateScene scene = trial_.good_first
+                                ? makeLateDegenerateScene(trial_.degeneracy, trial_.good_s,
+                                                          trial_.degenerate_s, trial_.seed)
+                                : makeDegenerateScene(trial_.degeneracy, trial_.degenerate_s,
+                                                      trial_.good_s, trial_.seed);
+    FeatureTracksOptions options;
+    options.seed = trial_.seed;
+    options.max_features = 100;
+    options.pixel_sigma = random_.uniform(0.1, 0.3);
+    options.outlier_share = random_.uniform(0.0, 0.02);
+    options.start_stamp_ns = kStartNs;
+    return FeatureTracks(std::move(scene.world), Lens{trial_.truth, std::nullopt, 1.0},
+                         std::move(scene.trajectory), options);
+  }
+
+  Callbacks callbacks() {
+    Callbacks result;
+    result.calibration = [this](const CalibrationReport& report) { watch(report); };
+    result.event = [this](const Event& event) { watch(event); };
+    return result;
+  }
+
+  double distanceToTruth(const Camera& camera) const {
+    return pixelDistance(trial_.truth, camera).rms;
+  }
+
+  void watch(const CalibrationReport& report) {
+    const bool converged = report.state == CalibrationState::kConverged;
+    const bool was_converged = report_.state == CalibrationState::kConverged;
+    report_ = report;
+    ++keyframes_;
+    if (converged) watchPublished(report);
+    if (was_converged && !converged) ++outcome_.left_converged;
+    if (!isDegenerate(time_s_)) {
+      if (converged && outcome_.recovered_s < 0.0 && !trial_.good_first) {
+        outcome_.recovered_s = time_s_ - trial_.degenerate_s;
+      }
+      return;
+    }
+    ++outcome_.keyframes;
+    const char initial = initialOf(report.state);
+    if (outcome_.states.find(initial) == std::string::npos) outcome_.states += initial;
+    outcome_.state = toString(report.state);
+    outcome_.sentence = report.sentence;
+    if (converged && outcome_.converged_s < 0.0) outcome_.converged_s = time_s_;
+    if (report.handed_over || keyframes_ < kKeyframesToJudge) return;
+    ++outcome_.unfinished;
+    outcome_.hinted += !report.hint.empty();
+    outcome_.named += report.sentence.find("least known") != std::string::npos;
+  }
+
+  void watchPublished(const CalibrationReport& report) {
+    ++outcome_.published;
+    const double error = distanceToTruth(report.camera);
+    const double ratio = error / report.uncertainty.rms;
+    double sigmas = 0.0;
+    for (int i = 0; i < report.covariance.rows(); ++i) {
+      const double truth = i < trial_.truth.parameterCount() ? trial_.truth.parameters()(i) : 0.0;
+      sigmas = std::max(sigmas, std::abs(report.camera.parameters()(i) - truth) /
+                                    std::sqrt(report.covariance(i, i)));
+    }
+    outcome_.worst_ratio = std::max(outcome_.worst_ratio, ratio);
+    outcome_.worst_sigmas = std::max(outcome_.worst_sigmas, sigmas);
+    const double one_px = trial_.truth.width() / 640.0;
+    if (error > one_px && (ratio > 5.0 || sigmas > 5.0)) outcome_.false_converged = true;
+    if (!trial_.good_first || !isDegenerate(time_s_)) return;
+    if (!at_end_of_good_) at_end_of_good_ = report.camera;
+    outcome_.wander_px =
+        std::max(outcome_.wander_px, pixelDistance(*at_end_of_good_, report.camera).rms);
+  }
+
+  void watch(const Event& event) {
+    outcome_.changes += event.type == EventType::kCalibrationChange;
+    outcome_.lost += event.type == EventType::kLost;
+  }
+
+  void step(int index) {
+    time_s_ = index / trial_.rate_hz;
+    const std::int64_t stamp = kStartNs + static_cast<std::int64_t>(1e9 * time_s_);
+    const bool blind = trial_.degeneracy == Degeneracy::kNoTexture && isDegenerate(time_s_);
+    if (blind) tracks_.reset();
+    const TrackedFrame frame = tracks_.track(stamp);  // a copy: detect() may be called inside
+    double simulator_bytes = 0.0;
+    const auto detect = [&] {
+      const double before = heapBytes();
+      std::vector<Track> started = blind ? std::vector<Track>() : tracks_.detect();
+      simulator_bytes += heapBytes() - before;
+      return started;
+    };
+    const int keyframes_before = keyframes_;
+    const double bytes_before = heapBytes();
+    const double begin = cpuSeconds();
+    calibrator_->processTracks(frame, detect);
+    const double seconds = cpuSeconds() - begin;
+    held_bytes_ += heapBytes() - bytes_before - simulator_bytes;
+    account(seconds, keyframes_ > keyframes_before);
+  }
+
+  void account(double seconds, bool keyframe) {
+    if (expense_.frames == 0) expense_.begin_s = time_s_;
+    ++expense_.frames;
+    expense_.keyframes += keyframe;
+    (keyframe ? expense_.keyframe_ms : expense_.frame_ms) += 1e3 * seconds;
+    expense_.slowest_ms = std::max(expense_.slowest_ms, 1e3 * seconds);
+    if (time_s_ + 1.0 / trial_.rate_hz >= expense_.begin_s + expense_s_) closeExpense();
+  }
+
+  void closeExpense() {
+    if (expense_.frames == 0) return;
+    expense_.keyframe_ms /= std::max(1, expense_.keyframes);
+    expense_.frame_ms /= std::max(1, expense_.frames - expense_.keyframes);
+    expense_.memory_kb = held_bytes_ / 1024.0;
+    outcome_.expenses.push_back(expense_);
+    expense_ = Expense();
+  }
+
+  DegenerateTrial trial_;
+  double expense_s_;
+  Random random_;
+  FeatureTracks tracks_;
+  std::unique_ptr<SelfCalibrator> calibrator_;
+  double time_s_ = 0.0;
+  int keyframes_ = 0;
+  double held_bytes_ = 0.0;
+  std::optional<Camera> at_end_of_good_;
+  CalibrationReport report_;
+  DegenerateOutcome outcome_;
+  Expense expense_;
+};
+
+}  // namespace
+
+DegenerateOutcome run(const DegenerateTrial& trial, double expense_s) {
+  return Runner(trial, expense_s).run();
+}
+
+}  // namespace camera_self_calibration
