@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/calibration/agreement.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
@@ -10,13 +11,76 @@
 
 namespace camera_self_calibration {
 
+namespace {
+
+constexpr int kSettlingRounds = 2;
+
+SolverOptions solverOptions(int threads) {
+  SolverOptions options;
+  options.threads = threads;
+  options.max_iterations = 20;
+  // From warm starts: what is left is the slow settling of outlying tracks, far below a tenth of
+  // the intrinsics' sigma.
+  options.step_tolerance = 1e-2;
+  options.cost_tolerance = 2e-6;
+  return options;
+}
+
+// How far a segment's own estimate is from the joint one: twice the rise of its cost, measured and
+// to second order.
+struct Disagreement {
+  double measured = 0.0;
+  double expected = 0.0;
+
+  double chiSquare() const { return std::max(0.0, std::min(measured, expected)); }
+  // Poses and depths are where they explain the segment far worse than they could with the joint
+  // intrinsics. A segment whose own cost says nothing about them is taken as it is.
+  bool unsettled(double own_cost) const {
+    return measured > 2.0 * expected + 10.0 + 0.02 * own_cost;
+  }
+};
+
+Disagreement disagreement(const Candidate& candidate, const SegmentBlock& block,
+                          const Camera& joint) {
+  const Intrinsics off =
+      (joint.parameters() - candidate.camera.parameters()).head(candidate.information.rows());
+  const double cost = robustCost(block, joint, SolverOptions().huber);
+  return {2.0 * (cost - candidate.cost), off.dot(candidate.information * off)};
+}
+
+}  // namespace
+
 void QueueEstimate::remove(const std::vector<std::int64_t>& sequences) {
   const auto leaves = [&](const Candidate& candidate) {
     return std::find(sequences.begin(), sequences.end(), candidate.segment.sequence) !=
            sequences.end();
   };
-  candidates_.erase(std::remove_if(candidates_.begin(), candidates_.end(), leaves),
-                    candidates_.end());
+  for (std::size_t i = candidates_.size(); i-- > 0;) {
+    if (!leaves(candidates_[i])) continue;
+    candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(i));
+    own_.erase(own_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+// In a segment that hardly tells poses or depths, as in rotation on the spot, a joint step can
+// throw them where no later step leads back from, and the segment would seem to disagree with the
+// rest. From the solution that it came with, the way is short.
+bool QueueEstimate::settle(Problem* problem) {
+  bool moved = false;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    SegmentBlock& block = problem->blocks[i];
+    const Disagreement now = disagreement(candidates_[i], block, *problem->camera);
+    if (!now.unsettled(candidates_[i].cost)) continue;
+    Segment again = restarted(candidates_[i].segment, own_[i]);
+    Problem alone{problem->camera, false, {block}, {}};
+    alone.blocks[0].segment = &again;
+    if (!camera_self_calibration::solve(alone, solverOptions(1)).usable) continue;
+    if (disagreement(candidates_[i], alone.blocks[0], *problem->camera).measured < now.measured) {
+      candidates_[i].segment = std::move(again);
+      moved = true;
+    }
+  }
+  return moved;
 }
 
 QueueSolution QueueEstimate::solve(const Camera& start) {
@@ -29,19 +93,16 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
     problem.blocks.push_back(freeBlock(&candidate.segment, start));
     problem.blocks.back().sigma_scale = candidate.sigma_scale;
   }
-  SolverOptions options;
-  options.threads = threads_;
-  options.max_iterations = 20;
-  // From warm starts: what is left is the slow settling of outlying tracks, far below a tenth of the
-  // intrinsics' sigma.
-  options.step_tolerance = 1e-2;
-  options.cost_tolerance = 2e-6;
-  const SolveSummary summary = camera_self_calibration::solve(problem, options);
+  const SolverOptions options = solverOptions(threads_);
+  SolveSummary summary = camera_self_calibration::solve(problem, options);
   solution.iterations = summary.iterations;
+  for (int round = 0; round < kSettlingRounds && summary.usable && settle(&problem); ++round) {
+    summary = camera_self_calibration::solve(problem, options);
+    solution.iterations += summary.iterations;
+  }
   double chi_square = 0.0;
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    const double joint = robustCost(problem.blocks[i], solution.camera, options.huber);
-    chi_square += std::max(0.0, 2.0 * (joint - candidates_[i].cost));
+    chi_square += disagreement(candidates_[i], problem.blocks[i], solution.camera).chiSquare();
   }
   const int freedom = (static_cast<int>(candidates_.size()) - 1) * problem.intrinsicsCount();
   // One segment alone cannot disagree: what was known of disagreement stays.

@@ -225,7 +225,10 @@ bool BackEnd::offer(const Candidate& candidate) {
 }
 
 void BackEnd::solveQueue() {
-  solution_ = estimate_.solve(report_.camera);
+  // From where its poses and depths are; before hand-over the report follows the startup batch.
+  const bool known = solution_.usable && solution_.camera.model() == report_.camera.model() &&
+                     solution_.camera.estimatedCount() == report_.camera.estimatedCount();
+  solution_ = estimate_.solve(handed_over_ || !known ? report_.camera : solution_.camera);
   if (handed_over_ && solution_.usable) adoptSolution();
 }
 

@@ -5,14 +5,18 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "estimation/sample_segments.h"
 
 namespace camera_self_calibration {
 namespace {
 
-Candidate candidateOf(const Camera& truth, std::uint64_t seed) {
+Candidate candidateOf(const Camera& truth, std::uint64_t seed,
+                      MotionKind motion = MotionKind::kHandheld) {
   SegmentOptions options;
+  options.motion = motion;
   options.camera = truth;
   options.tracks.max_features = 60;
   options.tracks.pixel_sigma = 0.3;
@@ -72,6 +76,33 @@ TEST(QueueEstimate, InflatesWhenSegmentsDisagree) {
   EXPECT_LT(good.inflation, 1.7);
   EXPECT_GT(bad.inflation, 3.0);
   EXPECT_LT(bad.information(0, 0), 0.3 * good.information(0, 0));
+}
+
+// Rotation on the spot tells neither translations nor depths; they must not be lost on the way of
+// the intrinsics, which would look like disagreement.
+TEST(QueueEstimate, SegmentsOfRotationAgree) {
+  for (const int c : {0, 1, 3}) {
+    const Camera truth = ordinaryCameras()[c];
+    QueueEstimate estimate(1);
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+      estimate.add(candidateOf(truth, seed, MotionKind::kRotationOnly));
+    }
+    QueueSolution solution;
+    for (const double factor : {0.8, 1.3, 1.0}) {
+      Intrinsics start = truth.parameters();
+      start.head<2>() *= factor;
+      solution = estimate.solve(withParameters(truth, start));
+    }
+    ASSERT_TRUE(solution.usable);
+    EXPECT_LT(solution.inflation, 2.0) << toString(truth.model());
+    EXPECT_LT(mahalanobis(solution.camera, truth, solution.information), 35.0);
+    for (const Candidate& candidate : estimate.candidates()) {
+      Candidate copy = candidate;
+      SegmentBlock block = freeBlock(&copy.segment, solution.camera);
+      block.sigma_scale = copy.sigma_scale;
+      EXPECT_LT(robustCost(block, solution.camera, 2.0), 1.1 * copy.cost + 20.0);
+    }
+  }
 }
 
 TEST(QueueEstimate, IsTheSameForAnyNumberOfThreads) {

@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/calibration/candidate_window.h"
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/problem.h"
 
 namespace camera_self_calibration {
 
@@ -19,8 +20,8 @@ struct QueueSolution {
   IntrinsicsMatrix covariance;
   /// How far the segments disagree beyond their own uncertainties: sqrt of chi-square per degree of
   /// freedom, at least 1. Each segment's share of the chi-square is twice what its cost rises from
-  /// its own optimum to the joint one. It tells of errors that last longer than a segment's
-  /// residuals can show.
+  /// its own optimum to the joint one, at most what its own information says it should. It tells of
+  /// errors that last longer than a segment's residuals can show.
   double inflation = 1.0;
   int iterations = 0;
 };
@@ -32,10 +33,14 @@ class QueueEstimate {
  public:
   explicit QueueEstimate(int threads) : threads_(threads) {}
 
-  void add(const Candidate& candidate) { candidates_.push_back(candidate); }
+  void add(const Candidate& candidate) {
+    candidates_.push_back(candidate);
+    own_.push_back(candidate.segment);
+  }
   void remove(const std::vector<std::int64_t>& sequences);
   void clear() {
     candidates_.clear();
+    own_.clear();
     inflation_ = 1.0;
   }
   const std::vector<Candidate>& candidates() const { return candidates_; }
@@ -44,9 +49,12 @@ class QueueEstimate {
   QueueSolution solve(const Camera& start);
 
  private:
+  bool settle(Problem* problem);
+
   int threads_;
   double inflation_ = 1.0;
   std::vector<Candidate> candidates_;
+  std::vector<Segment> own_;  // of each candidate, the solution that it came with
 };
 
 }  // namespace camera_self_calibration
