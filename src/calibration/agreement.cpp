@@ -86,7 +86,7 @@ std::optional<Evidence> evidenceAt(const Camera& camera, const Segment& segment,
   problem.blocks[0].sigma_scale = sigma_scale;
   SolverOptions options;
   options.step_tolerance = 1e-4;
-  options.cost_tolerance = 1e-8;
+  options.cost_tolerance = 1e-5;
   if (!solve(problem, options).usable) return std::nullopt;
   const Evidence evidence = linearized(problem.blocks[0], camera);
   if (!evidence.gradient.allFinite() || !evidence.information.allFinite()) return std::nullopt;

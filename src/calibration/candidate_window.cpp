@@ -55,7 +55,9 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
                               static_cast<double>(segment.keyframes.size()), options.min_keyframes);
     return candidate;
   }
-  const SegmentFit fit = fitSegment(SegmentFitOptions(), &candidate.segment, &candidate.camera);
+  SegmentFitOptions fit_options;
+  fit_options.cost_tolerance = 1e-5;  // Below a tenth of a sigma.
+  const SegmentFit fit = fitSegment(fit_options, &candidate.segment, &candidate.camera);
   if (!fit.usable) {
     candidate.reason = "no solution was found";
     return candidate;

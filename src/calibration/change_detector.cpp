@@ -17,11 +17,13 @@ using Kind = ChangeVerdict::Kind;
 
 constexpr double kTestsPerKeyframe = 5.0;  // one fast, one of the window, three of the pools
 constexpr double kDoubt = 1e-2;            // p-value below which nothing enters the queue
-constexpr double kUnfounded = 0.1;         // p-value above which a suspicion was for nothing
-constexpr int kMinLaterKeyframes = 3;      // after a suspected onset, to decide
-constexpr int kMinEarlierKeyframes = 2;    // before it, for their structure to be of use
-constexpr int kFindings = 2;               // keyframes in a row that find the same new lens
-constexpr double kSameLens = 0.5;  // distance between two findings, as a share of the change
+// p-value of the candidate's own solution above which no closer look is worth its time.
+constexpr double kClearlySame = 0.1;
+constexpr double kUnfounded = 0.1;       // p-value above which a suspicion was for nothing
+constexpr int kMinLaterKeyframes = 3;    // after a suspected onset, to decide
+constexpr int kMinEarlierKeyframes = 2;  // before it, for their structure to be of use
+constexpr int kFindings = 2;             // keyframes in a row that find the same new lens
+constexpr double kSameLens = 0.5;        // distance between two findings, as a share of the change
 // Statistic per observation that needs no second finding: no wrong minimum is as bad.
 constexpr double kBlatant = 1.0;
 constexpr std::size_t kStretches = 16;
@@ -48,6 +50,14 @@ double usualResidualScale(const QueueEstimate& queue) {
   std::vector<double> scales;
   for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.residual_scale);
   return std::max(1.0, median(std::move(scales), 1.0));
+}
+
+// At the candidate's own optimum, where its gradient vanishes.
+Evidence ownEvidence(const Candidate& candidate) {
+  const int count = candidate.camera.estimatedCount();
+  return {candidate.segment.beginNs(), candidate.segment.endNs(),
+          candidate.camera.parameters().head(count), Intrinsics::Zero(count),
+          candidate.information};
 }
 
 // Those that disagree with what the lens has become.
@@ -124,6 +134,11 @@ ChangeVerdict ChangeDetector::examineKeyframe(const Segment& window, const Candi
     verdict.reason = "the tracks fit no lens well";
     return verdict;
   }
+  const double own_p_value = agreement({ownEvidence(candidate)}, *reference).p_value;
+  if (own_p_value > kClearlySame && !isNewStretch(candidate)) {
+    verdict.p_value = own_p_value;
+    return verdict;
+  }
   const auto evidence =
       evidenceAt(reference->camera, restarted(candidate.segment, window), candidate.sigma_scale);
   if (!evidence) return verdict;
@@ -179,8 +194,12 @@ ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_k
   return verdict;
 }
 
+bool ChangeDetector::isNewStretch(const Candidate& candidate) const {
+  return recent_.empty() || candidate.segment.beginNs() > recent_.back().evidence.end_ns;
+}
+
 void ChangeDetector::remember(const Candidate& candidate, const Evidence& evidence) {
-  if (!recent_.empty() && candidate.segment.beginNs() <= recent_.back().evidence.end_ns) return;
+  if (!isNewStretch(candidate)) return;
   recent_.push_back({candidate, evidence});
   if (recent_.size() > kStretches) recent_.pop_front();
 }

@@ -149,7 +149,7 @@ double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Cam
   // A long batch moves little by one keyframe more.
   solver.max_iterations = k < 12 ? 12 : 6;
   solver.step_tolerance = 1e-2;
-  solver.cost_tolerance = 1e-4;
+  solver.cost_tolerance = 1e-3;
   Problem problem;
   problem.camera = camera;
   problem.estimate_intrinsics = k + 1 >= options.free_after_keyframes;

@@ -22,7 +22,7 @@ SolverOptions solverOptions(int threads) {
   // From warm starts: what is left is the slow settling of outlying tracks, far below a tenth of
   // the intrinsics' sigma.
   options.step_tolerance = 1e-2;
-  options.cost_tolerance = 2e-6;
+  options.cost_tolerance = 2e-5;
   return options;
 }
 

@@ -10,9 +10,9 @@
 namespace camera_self_calibration {
 namespace {
 
-// Tolerances of the solutions before the last (SolverOptions).
-constexpr double kRoughStep = 1e-2;
-constexpr double kRoughCost = 1e-4;
+// SolverOptions::cost_tolerance of the first solution: two or three iterations from a solved
+// window.
+constexpr double kRoughCost = 1e-2;
 
 // Residual scale of a solved segment against the sigmas that it had before `unexplained` was added.
 double scaleAgainstTracker(Segment segment, double unexplained, const Camera& camera) {
@@ -38,12 +38,13 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
   problem.prior = options.prior;
   // Which tracks are outliers shows well before the solution has settled.
   SolverOptions rough = solver;
-  rough.step_tolerance = std::max(solver.step_tolerance, kRoughStep);
   rough.cost_tolerance = std::max(solver.cost_tolerance, kRoughCost);
+  bool settled = false;
   for (int round = 0; round < options.gating_rounds; ++round) {
     if (segment->observations.empty()) return fit;
     problem.blocks = {freeBlock(segment, *camera)};
-    if (!solve(problem, rough).usable) return fit;
+    const bool first = round == 0;
+    if (!solve(problem, first ? rough : solver).usable) return fit;
     const SegmentBlock& block = problem.blocks.front();
     const double unexplained = unexplainedSigma(block, *camera);
     for (Observation& observation : segment->observations) {
@@ -51,13 +52,16 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
     }
     fit.unexplained_sigma = std::hypot(fit.unexplained_sigma, unexplained);
     const std::vector<int> outliers = misfits(block, *camera);
-    if (outliers.empty() && unexplained == 0.0) break;
+    if (outliers.empty() && unexplained == 0.0) {
+      settled = !first;
+      break;
+    }
     for (const int l : outliers) fit.removed_tracks.push_back(segment->landmarks[l].track_id);
     removeLandmarks(outliers, segment);
   }
   if (segment->observations.empty()) return fit;
   problem.blocks = {freeBlock(segment, *camera)};
-  if (!solve(problem, solver).usable) return fit;
+  if (!settled && !solve(problem, solver).usable) return fit;
   fit.residual_scale = scaleAgainstTracker(*segment, fit.unexplained_sigma, *camera);
   fit.marginal = marginalize(problem, options.huber);
   fit.usable = fit.marginal.information.allFinite();

@@ -19,6 +19,10 @@ constexpr double kSeparatedPoses = 1e-2;
 // Beyond so many scaled sigmas, and the option's pixels, a track does not belong to a rigid scene.
 constexpr double kGrossSigmas = 5.0;
 
+// Intrinsics as near as this to those that the window was solved with, far below the tracker's
+// sigma, change nothing that the next keyframe's solution will not see to.
+constexpr double kNegligiblePx = 0.02;
+
 // With so many points of estimated depth in view, points of guessed depth are not needed.
 constexpr std::size_t kEnoughKnownPoints = 15;
 
@@ -39,7 +43,7 @@ SolverOptions windowSolver() {
   SolverOptions options;
   options.max_iterations = 8;
   options.step_tolerance = 1e-2;
-  options.cost_tolerance = 1e-3;  // outlying tracks alone settle beyond it; they are gated
+  options.cost_tolerance = 5e-3;  // outlying tracks alone settle beyond it; they are gated
   return options;
 }
 
@@ -89,7 +93,32 @@ void SlidingWindow::takeGeneration(Segment* segment) const {
   }
 }
 
+bool SlidingWindow::negligiblyFarFrom(const Camera& camera) const {
+  const auto& keyframes = map_.keyframes();
+  const std::size_t active =
+      std::min(keyframes.size(), static_cast<std::size_t>(options_.active_keyframes));
+  if (active == 0) return false;
+  const auto solved_with = generations_.find((keyframes.end() - active)->calibration_generation);
+  return solved_with != generations_.end() &&
+         pixelDistance(solved_with->second, camera).rms < kNegligiblePx;
+}
+
 void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool trusted) {
+  const bool solve_again = !negligiblyFarFrom(camera);
+  setCamera(camera, generation, trusted);
+  if (solve_again) solveUnconditioned();
+}
+
+void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool trusted,
+                          const Segment& solution) {
+  const bool newest = !map_.keyframes().empty() && !solution.keyframes.empty() &&
+                      map_.keyframes().back().id == solution.keyframes.back().id;
+  setCamera(camera, generation, trusted);
+  if (!newest) solveUnconditioned();  // for the keyframes that the solution does not know
+  reseed(solution);
+}
+
+void SlidingWindow::setCamera(const Camera& camera, std::uint64_t generation, bool trusted) {
   trusted_ = trusted;
   camera_ = camera;
   generation_ = generation;
@@ -99,6 +128,9 @@ void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool t
     entry = used.count(entry->first) == 0 ? generations_.erase(entry) : std::next(entry);
   }
   generations_[generation_] = camera_;
+}
+
+void SlidingWindow::solveUnconditioned() {
   if (map_.keyframes().size() < 2) return;
   Segment segment = map_.lastKeyframes(options_.active_keyframes, camera_);
   if (segment.landmarks.empty()) return;

@@ -43,8 +43,11 @@ void FrontEnd::adopt(const CalibrationUpdate& update) {
     window_.changeLens(update.onset_ns);
     monitor_.reset();
   }
-  window_.adopt(update.camera, update.generation, update.handed_over);
-  if (update.solution) window_.reseed(*update.solution);
+  if (update.solution) {
+    window_.adopt(update.camera, update.generation, update.handed_over, *update.solution);
+  } else {
+    window_.adopt(update.camera, update.generation, update.handed_over);
+  }
   // The newest keyframe kept its pose; the frames since then are located again from the next on.
 }
 

@@ -1,5 +1,6 @@
 // The whole system on rendered video: frames per second, time of each frame, share of a core at
-// 30 Hz, memory. Prints one JSON object. Arguments: seconds of video (default 20).
+// 30 Hz, memory. Prints one JSON object. Arguments: seconds of video (default 20); a part of the
+// names of the runs to do, such as "640x480 raw inline" (default: all).
 
 #include <sys/resource.h>
 
@@ -10,6 +11,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "camera_self_calibration/pipeline/self_calibrator.h"
@@ -138,20 +140,34 @@ void print(const std::string& name, std::size_t frames, const Run& run, bool* fi
   *first = false;
 }
 
-void runAll(double duration_s) {
+struct NamedRun {
+  std::string name;
+  RunOptions options;
+};
+
+std::vector<NamedRun> runsOf(const std::string& size, const std::string& wanted) {
+  std::vector<NamedRun> runs;
+  for (const bool jpeg : {false, true}) {
+    const std::string kind = size + (jpeg ? " jpeg" : " raw");
+    runs.push_back({kind + " inline", {SelfCalibrator::Mode::kInline, jpeg, 0.0}});
+    runs.push_back({kind + " threaded", {SelfCalibrator::Mode::kThreaded, jpeg, 0.0}});
+    runs.push_back({kind + " live 30 Hz", {SelfCalibrator::Mode::kThreaded, jpeg, 30.0}});
+  }
+  const auto other = [&](const NamedRun& r) { return r.name.find(wanted) == std::string::npos; };
+  runs.erase(std::remove_if(runs.begin(), runs.end(), other), runs.end());
+  return runs;
+}
+
+void runAll(double duration_s, const std::string& wanted) {
   bool first = true;
   std::printf("{\"runs\": [");
   for (const auto& [width, height] : {std::pair<int, int>{640, 480}, {1280, 720}}) {
-    const Video video = render(width, height, duration_s);
     const std::string size = std::to_string(width) + "x" + std::to_string(height);
-    const std::size_t frames = video.frames.size();
-    for (const bool jpeg : {false, true}) {
-      const std::string kind = size + (jpeg ? " jpeg" : " raw");
-      const auto inline_mode = SelfCalibrator::Mode::kInline;
-      const auto threaded = SelfCalibrator::Mode::kThreaded;
-      print(kind + " inline", frames, run(video, {inline_mode, jpeg, 0.0}), &first);
-      print(kind + " threaded", frames, run(video, {threaded, jpeg, 0.0}), &first);
-      print(kind + " live 30 Hz", frames, run(video, {threaded, jpeg, 30.0}), &first);
+    const std::vector<NamedRun> runs = runsOf(size, wanted);
+    if (runs.empty()) continue;
+    const Video video = render(width, height, duration_s);
+    for (const NamedRun& named : runs) {
+      print(named.name, video.frames.size(), run(video, named.options), &first);
     }
   }
   std::printf("\n], \"peak_megabytes\": %.0f}\n", peakMegabytes());
@@ -161,6 +177,6 @@ void runAll(double duration_s) {
 }  // namespace camera_self_calibration
 
 int main(int argc, char** argv) {
-  camera_self_calibration::runAll(argc > 1 ? std::atof(argv[1]) : 20.0);
+  camera_self_calibration::runAll(argc > 1 ? std::atof(argv[1]) : 20.0, argc > 2 ? argv[2] : "");
   return 0;
 }

@@ -74,6 +74,7 @@ class ChangeDetector {
   ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
   ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
                               const Reference& reference) const;
+  bool isNewStretch(const Candidate& candidate) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const Evidence& evidence);
   ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;
   ChangeVerdict explain(const Reference& reference, double p_value,

@@ -29,11 +29,15 @@ class SlidingWindow {
   SlidingWindow(const SlidingWindowOptions& options, const Camera& camera);
 
   /// Adopts a new estimate of the intrinsics: re-solves the active window unconditioned, keeping
-  /// the newest pose and the median depth there, so that neither pose nor scale jumps. Keyframes
-  /// before it whose intrinsics differ by more than the option's distance condition no more. Only
-  /// intrinsics that are `trusted` end tracks that do not fit: under wrong ones good tracks do not
-  /// fit either.
+  /// the newest pose and the median depth there, so that neither pose nor scale jumps; a change far
+  /// below the tracks' errors is left to the next keyframe. Keyframes before it whose intrinsics
+  /// differ by more than the option's distance condition no more. Only intrinsics that are
+  /// `trusted` end tracks that do not fit: under wrong ones good tracks do not fit either.
   void adopt(const Camera& camera, std::uint64_t generation, bool trusted);
+
+  /// The same where keyframes and tracks were solved with these intrinsics elsewhere (reseed): the
+  /// window is solved again only if it has newer keyframes than the solution.
+  void adopt(const Camera& camera, std::uint64_t generation, bool trusted, const Segment& solution);
 
   /// The physical camera changed at this stamp: older keyframes keep the present intrinsics for
   /// ever, whatever is adopted from now on.
@@ -65,6 +69,9 @@ class SlidingWindow {
   void scale(double factor) { map_.scale(factor); }
 
  private:
+  bool negligiblyFarFrom(const Camera& camera) const;
+  void setCamera(const Camera& camera, std::uint64_t generation, bool trusted);
+  void solveUnconditioned();
   std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
   double medianDepthOf(const Segment& solution, const Keyframe& newest) const;
   int conditioningCount() const;
