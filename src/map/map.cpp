@@ -84,12 +84,12 @@ void Map::clear() {
   points_.clear();
 }
 
-void Map::scale(double factor) {
+void Map::move(const Similarity3& other_from_world) {
   for (Keyframe& keyframe : keyframes_) {
-    keyframe.world_from_camera.translation *= factor;
-    keyframe.velocity.head<3>() *= factor;
+    keyframe.world_from_camera = other_from_world * keyframe.world_from_camera;
+    keyframe.velocity.head<3>() *= other_from_world.scale;
   }
-  for (auto& [track_id, point] : points_) point.inverse_depth /= factor;
+  for (auto& [track_id, point] : points_) point.inverse_depth /= other_from_world.scale;
 }
 
 const Keyframe* Map::keyframe(std::int64_t id) const {

@@ -1,6 +1,7 @@
 #include "camera_self_calibration/pipeline/front_end.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace camera_self_calibration {
 namespace {
@@ -26,6 +27,7 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t fi
     : options_(options),
       window_(windowOptions(options), camera),
       keyframe_rule_(options.keyframe),
+      relocalizer_(options.relocalization_keyframes),
       keyframes_(first_keyframe) {
   if (options_.fix_intrinsics) {
     CalibrationUpdate held;
@@ -55,7 +57,7 @@ void FrontEnd::resetMap() {
   window_.clear();
   monitor_.reset();
   keyframe_rule_.reset();
-  ++map_id_;
+  map_id_ = next_map_id_++;
   state_ = TrackingState::kInitializing;
   map_tracked_ = false;
   frames_without_pose_ = 0;
@@ -65,27 +67,31 @@ void FrontEnd::resetMap() {
 void FrontEnd::restart(const Camera& camera, std::int64_t first_keyframe) {
   window_ = SlidingWindow(windowOptions(options_), camera);
   resetMap();
+  relocalizer_.clear();
   handed_over_ = false;
   keyframes_ = first_keyframe;
   world_from_camera_ = Rigid3();
 }
 
 void FrontEnd::scaleMap(double factor) {
-  window_.scale(factor);
-  world_from_camera_.translation *= factor;
+  const Similarity3 scaled{Rigid3(), factor};
+  window_.move(scaled);
+  world_from_camera_ = scaled * world_from_camera_;
   last_motion_.translation *= factor;
-  ++map_id_;
+  relocalizer_.scaleMap(map_id_, next_map_id_, factor);
+  map_id_ = next_map_id_++;
 }
 
 FrontEndOutput FrontEnd::process(const TrackedFrame& frame,
-                                 const std::function<std::vector<Track>()>& detect) {
+                                 const std::function<std::vector<Track>()>& detect,
+                                 const Describe& describe) {
   FrontEndOutput output;
   output.result.stamp_ns = frame.stamp_ns;
   locate(frame, &output);
   const bool first = window_.map().keyframes().empty();
   if (!output.restart_tracking && (first || (frames_without_pose_ == 0 &&
                                              keyframe_rule_.isKeyframe(frame, window_.camera())))) {
-    makeKeyframe(frame, detect(), &output);
+    makeKeyframe(frame, detect(), describe, &output);
   }
   for (Event& event : output.events) event.epoch = epoch_;
   output.result.state = state_;
@@ -113,7 +119,7 @@ void FrontEnd::locate(const TrackedFrame& frame, FrontEndOutput* output) {
     world_from_camera_ = pose.world_from_camera;
     output->result.pose_covariance = pose.covariance;
     watchLens(frame, pose);
-    resumeTracking(frame, output);
+    resumeTracking(frame);
   } else {
     missPose(frame, output);
   }
@@ -129,16 +135,12 @@ void FrontEnd::watchLens(const TrackedFrame& frame, const PoseEstimate& pose) {
   }
 }
 
-void FrontEnd::resumeTracking(const TrackedFrame& frame, FrontEndOutput* output) {
+void FrontEnd::resumeTracking(const TrackedFrame& frame) {
   frames_without_pose_ = 0;
   last_stamp_ns_ = frame.stamp_ns;
   map_tracked_ = true;
   state_ = TrackingState::kTracking;
-  if (!loss_reported_) return;
   loss_reported_ = false;
-  output->events.push_back({EventType::kRelocalized, frame.stamp_ns, frame.stamp_ns,
-                            "tracking is back, in the new map " + std::to_string(map_id_) +
-                                " with an origin and a scale of its own"});
 }
 
 // A frame without a pose is LOST at once, since its pose is not known; the map is given up later.
@@ -177,8 +179,27 @@ KeyframeMessage FrontEnd::keyframeMessage() const {
   return message;
 }
 
-void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected,
+// Where the newest keyframe shows a place of an older map, all goes on in that one.
+void FrontEnd::seekOlderMap(const TrackedFrame& whole, const Describe& describe,
                             FrontEndOutput* output) {
+  // Before that poses and depths are those of a guessed lens.
+  const bool knows_lens = handed_over_ || window_.generation() > 0;
+  const auto relocation = relocalizer_.atKeyframe(map_id_, window_.map(), window_.camera(),
+                                                  whole.tracks, knows_lens, describe);
+  if (!relocation) return;
+  const std::uint64_t left = std::exchange(map_id_, relocation->map_id);
+  window_.move(relocation->old_from_new);
+  last_motion_.translation *= relocation->old_from_new.scale;
+  output->result.pose_covariance.topRows<3>() *= relocation->old_from_new.scale;
+  output->result.pose_covariance.leftCols<3>() *= relocation->old_from_new.scale;
+  output->events.push_back({EventType::kRelocalized, whole.stamp_ns, whole.stamp_ns,
+                            "the place is known: poses are in map " + std::to_string(map_id_) +
+                                " again, no longer in map " + std::to_string(left) + " (" +
+                                std::to_string(relocation->seen) + " features agree)"});
+}
+
+void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected,
+                            const Describe& describe, FrontEndOutput* output) {
   TrackedFrame whole = frame;
   whole.tracks.insert(whole.tracks.end(), detected.begin(), detected.end());
   if (static_cast<int>(whole.tracks.size()) < kMinTracks) return;
@@ -190,6 +211,7 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
   const double seconds = 1e-9 * static_cast<double>(frame.stamp_ns - last_stamp_ns_);
   if (seconds > 0.0 && keyframe.id > 0) keyframe.velocity = logSe3(last_motion_) / seconds;
   output->outliers = window_.addKeyframe(keyframe, whole.tracks);
+  seekOlderMap(whole, describe, output);
   world_from_camera_ = window_.newestPose();
   keyframe_rule_.setKeyframe(whole);
   output->result.is_keyframe = true;

@@ -21,6 +21,7 @@ std::vector<std::string> Options::problems() const {
   atLeast("segment_keyframes", segment_keyframes, 5);
   atLeast("queue_segments", queue_segments, 2);
   atLeast("startup_keyframes", startup_keyframes, segment_keyframes);
+  atLeast("relocalization_keyframes", relocalization_keyframes, 0);
   atLeast("solver_threads", solver_threads, 1);
   atLeast("max_queued_images", max_queued_images, 1);
   if (!(alpha > 0.0 && alpha < 1.0)) {

@@ -25,10 +25,11 @@ bool SelfCalibrator::process(const ImageView& image) {
 }
 
 void SelfCalibrator::processTracks(const TrackedFrame& frame,
-                                   const std::function<std::vector<Track>()>& detect) {
+                                   const std::function<std::vector<Track>()>& detect,
+                                   const Describe& describe) {
   impl_->checkSource(false);
   if (!impl_->accept(frame)) return;
-  impl_->processFrame(frame, detect, std::chrono::steady_clock::now());
+  impl_->processFrame(frame, detect, describe, std::chrono::steady_clock::now());
 }
 
 void SelfCalibrator::resetTracking() { impl_->requests.resetTracking(); }

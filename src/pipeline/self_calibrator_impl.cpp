@@ -116,6 +116,7 @@ void SelfCalibrator::Impl::followRequests(const TrackedFrame& frame) {
   } else if (taken.reset_tracking) {
     tracker.reset();
     front_end->resetMap();
+    front_end->forgetOlderMaps();
   }
   if (taken.scale != 1.0) front_end->scaleMap(taken.scale);
 }
@@ -178,7 +179,8 @@ void SelfCalibrator::Impl::processImage(const ImageView& image) {
   if (!accept(header)) return;
   const TrackedFrame frame = tracker.track(image);  // a copy: detect() adds to the tracker's own
   processFrame(
-      frame, [this] { return tracker.detect(); }, begin);
+      frame, [this] { return tracker.detect(); },
+      [&image](const std::vector<Track>& tracks) { return describe(image, tracks); }, begin);
 }
 
 MapView SelfCalibrator::Impl::mapView(const FrontEndOutput& output) const {
@@ -190,6 +192,7 @@ MapView SelfCalibrator::Impl::mapView(const FrontEndOutput& output) const {
 
 void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
                                         const std::function<std::vector<Track>()>& detect,
+                                        const Describe& describe_tracks,
                                         std::chrono::steady_clock::time_point begin) {
   std::optional<CalibrationUpdate> newest;
   {
@@ -197,7 +200,7 @@ void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
     newest.swap(update);
   }
   if (newest && newest->beginning == beginning->number) front_end->adopt(*newest);
-  FrontEndOutput output = front_end->process(frame, detect);
+  FrontEndOutput output = front_end->process(frame, detect, describe_tracks);
   tracker.drop(output.outliers);
   if (output.restart_tracking) tracker.reset();
   output.result.tracks = frame;

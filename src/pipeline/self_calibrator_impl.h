@@ -27,7 +27,7 @@ struct SelfCalibrator::Impl {
 
   void processImage(const ImageView& image);
   void processFrame(const TrackedFrame& frame, const std::function<std::vector<Track>()>& detect,
-                    std::chrono::steady_clock::time_point begin);
+                    const Describe& describe_tracks, std::chrono::steady_clock::time_point begin);
   MapView mapView(const FrontEndOutput& output) const;
   void processKeyframe(const KeyframeMessage& message);
   void guarded(std::int64_t stamp_ns, const std::function<void()>& work) noexcept;

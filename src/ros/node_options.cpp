@@ -28,6 +28,7 @@ void readPipeline(ParameterReader& read, NodeOptions* options) {
   read("score", &options->score);
   read("converged_pixel_rms", &pipeline.converged_pixel_rms);
   read("false_alarms_per_hour", &pipeline.false_alarms_per_hour);
+  read("relocalization_keyframes", &pipeline.relocalization_keyframes);
   read("solver_threads", &pipeline.solver_threads);
   read("max_queued_images", &pipeline.max_queued_images);
 }

@@ -67,6 +67,9 @@ po::options_description description(CalibrateBagArguments* arguments) {
      "entropy")
     ("converged-pixel-rms", po::value(&options.converged_pixel_rms),
      "CONVERGED below this pixel uncertainty [px]; default: 1 px per 640 px of image width")
+    ("relocalization-keyframes", po::value(&options.relocalization_keyframes)->default_value(
+         options.relocalization_keyframes),
+     "keyframes remembered to recognise a map that was lost; 0: it is never sought")
     ("solver-threads", po::value(&options.solver_threads)->default_value(options.solver_threads),
      "threads for the joint solve; the result is the same");
   // clang-format on

@@ -41,6 +41,7 @@ TEST(Options, EachViolationIsNamed) {
   expectNamed("converged_pixel_rms", [](Options* o) { o->converged_pixel_rms = INFINITY; });
   expectNamed("handover_entropy", [](Options* o) { o->handover_entropy = NAN; });
   expectNamed("solver_threads", [](Options* o) { o->solver_threads = 0; });
+  expectNamed("relocalization_keyframes", [](Options* o) { o->relocalization_keyframes = -1; });
   expectNamed("max_queued_images", [](Options* o) { o->max_queued_images = 0; });
   expectNamed("fix_intrinsics", [](Options* o) { o->fix_intrinsics = true; });  // which?
   const Camera pinhole = camera640(CameraModel::kPinhole, {300, 300, 320, 240});

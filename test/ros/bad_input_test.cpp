@@ -156,7 +156,8 @@ std::vector<std::string> valuesOf(const NodeOptions& options) {
                              pipeline.converged_pixel_rms,
                              1.0 * pipeline.solver_threads,
                              1.0 * pipeline.max_queued_images,
-                             pipeline.false_alarms_per_hour}) {
+                             pipeline.false_alarms_per_hour,
+                             1.0 * pipeline.relocalization_keyframes}) {
     values.push_back(std::to_string(value));
   }
   return values;

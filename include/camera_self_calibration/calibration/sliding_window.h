@@ -65,8 +65,8 @@ class SlidingWindow {
   /// Forgets the map, keeps the camera.
   void clear() { map_.clear(); }
 
-  /// Multiplies all lengths of the map; `factor` > 0.
-  void scale(double factor) { map_.scale(factor); }
+  /// Takes the map over into another world.
+  void move(const Similarity3& other_from_world) { map_.move(other_from_world); }
 
  private:
   bool negligiblyFarFrom(const Camera& camera) const;

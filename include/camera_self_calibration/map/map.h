@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/geometry/similarity.h"
 #include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/tracking/track.h"
 
@@ -61,8 +62,8 @@ class Map {
   void removePoints(const std::vector<std::int64_t>& track_ids);
   void clear();
 
-  /// Multiplies all lengths, about the origin of the world; `factor` > 0.
-  void scale(double factor);
+  /// Takes all poses and depths over into another world.
+  void move(const Similarity3& other_from_world);
 
   const std::deque<Keyframe>& keyframes() const { return keyframes_; }
   const std::map<std::int64_t, Point>& points() const { return points_; }

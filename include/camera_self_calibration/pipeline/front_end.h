@@ -7,11 +7,13 @@
 #include <vector>
 
 #include "camera_self_calibration/calibration/innovation_monitor.h"
+#include "camera_self_calibration/calibration/relocalizer.h"
 #include "camera_self_calibration/calibration/sliding_window.h"
 #include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/tracking/appearance.h"
 #include "camera_self_calibration/tracking/keyframe_rule.h"
 #include "camera_self_calibration/tracking/track.h"
 
@@ -60,43 +62,53 @@ class FrontEnd {
   /// Keyframes are counted from `first_keyframe`.
   FrontEnd(const Options& options, const Camera& camera, std::int64_t first_keyframe = 0);
 
-  /// Frames in the order of time. `detect` is called when the frame becomes a keyframe.
+  /// Frames in the order of time. `detect` is called when the frame becomes a keyframe, `describe`
+  /// at some of the keyframes; without it a map that was lost is not found again.
   FrontEndOutput process(const TrackedFrame& frame,
-                         const std::function<std::vector<Track>()>& detect);
+                         const std::function<std::vector<Track>()>& detect,
+                         const Describe& describe = nullptr);
 
   void adopt(const CalibrationUpdate& update);
 
   /// The intrinsics of the map.
   const Camera& camera() const { return window_.camera(); }
 
-  /// Starts a new map at the next frame, from the last pose; the calibration stays.
+  /// Starts a new map at the next frame, from the last pose; the calibration stays, and the present
+  /// map may be found again.
   void resetMap();
+
+  /// No older map is found again.
+  void forgetOlderMaps() { relocalizer_.clear(); }
 
   /// Forgets the calibration too: a new map with these intrinsics, keyframes counted from
   /// `first_keyframe`.
   void restart(const Camera& camera, std::int64_t first_keyframe);
 
   /// Multiplies all lengths of the map, which gets a new map_id since its poses no longer compare
-  /// with those before; `factor` > 0.
+  /// with those before; `factor` > 0. Older maps, whose scale is another one, are forgotten.
   void scaleMap(double factor);
 
  private:
   void locate(const TrackedFrame& frame, FrontEndOutput* output);
-  void makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected, FrontEndOutput* output);
+  void makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected,
+                    const Describe& describe, FrontEndOutput* output);
+  void seekOlderMap(const TrackedFrame& whole, const Describe& describe, FrontEndOutput* output);
   void watchLens(const TrackedFrame& frame, const PoseEstimate& pose);
   KeyframeMessage keyframeMessage() const;
-  void resumeTracking(const TrackedFrame& frame, FrontEndOutput* output);
+  void resumeTracking(const TrackedFrame& frame);
   void missPose(const TrackedFrame& frame, FrontEndOutput* output);
 
   Options options_;
   SlidingWindow window_;
   KeyframeRule keyframe_rule_;
+  Relocalizer relocalizer_;
   InnovationMonitor monitor_;
   bool handed_over_ = false;
   std::uint64_t epoch_ = 0;
   std::int64_t epoch_onset_ns_ = 0;
   std::int64_t keyframes_ = 0;
   std::uint64_t map_id_ = 0;
+  std::uint64_t next_map_id_ = 1;
   TrackingState state_ = TrackingState::kInitializing;
   bool map_tracked_ = false;    // a pose was found in this map
   bool loss_reported_ = false;  // and tracking is not back yet

@@ -31,8 +31,8 @@ struct Options {
   /// Landmarks on the exact ray of their reference pixel (eq. 1), instead of counting that pixel as
   /// one measurement among others.
   bool exact_references = false;
-  int startup_keyframes = 30;  ///< At most, in the startup batch.
-  double alpha = 0.95;         ///< Update rule of the queue, in (0, 1) (section II-B).
+  int startup_keyframes = 30;             ///< At most, in the startup batch.
+  double alpha = 0.95;                    ///< Update rule of the queue, in (0, 1) (section II-B).
   ScoreKind score = ScoreKind::kEntropy;  ///< What makes one segment better than another.
   /// Hand-over from the startup batch also below this normalised entropy [nats]; -infinity: only by
   /// pixel uncertainty.
@@ -40,6 +40,8 @@ struct Options {
   double converged_pixel_rms = 0.0;  ///< CONVERGED below this [px]; 0: 1 px per 640 px of width.
   /// Alarms of the change detection per hour while nothing changes; 0: no alarm ever.
   double false_alarms_per_hour = 0.1;
+  /// Keyframes remembered at most to recognise a map that was lost; 0: it is never sought.
+  int relocalization_keyframes = 100;
   int solver_threads = 1;     ///< For the segments of a joint solve; result independent.
   int max_queued_images = 2;  ///< Live: images waiting before the oldest is dropped.
 

@@ -5,11 +5,12 @@
 #include <memory>
 #include <vector>
 
-#include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/map/segment.h"
+#include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/tracking/appearance.h"
 #include "camera_self_calibration/tracking/image_view.h"
 
 namespace camera_self_calibration {
@@ -27,8 +28,8 @@ struct Callbacks {
   std::function<void(const FrameResult&)> frame;              ///< Each image processed.
   std::function<void(const CalibrationReport&)> calibration;  ///< Each keyframe processed.
   std::function<void(const Event&)> event;
-  /// What each keyframe brings to the back end, before it is processed there: the newest window with
-  /// its tracks. For whole-trajectory solutions and other observers.
+  /// What each keyframe brings to the back end, before it is processed there: the newest window
+  /// with its tracks. For whole-trajectory solutions and other observers.
   std::function<void(const KeyframeMessage&)> keyframe;
   std::function<void(const MapView&)> map;  ///< Each keyframe, before its report.
 };
@@ -52,10 +53,12 @@ class SelfCalibrator {
   bool process(const ImageView& image);
 
   /// The same with tracks from elsewhere (simulation). `detect` is called when the frame becomes a
-  /// keyframe, and returns the tracks that start in it. Threaded, the caller takes the place of the
-  /// first thread, so that a calibrator takes either images or tracks: the second kind throws
+  /// keyframe, and returns the tracks that start in it; `describe` at some of the keyframes
+  /// (without it a map that was lost is not found again). Threaded, the caller takes the place of
+  /// the first thread, so that a calibrator takes either images or tracks: the second kind throws
   /// std::logic_error.
-  void processTracks(const TrackedFrame& frame, const std::function<std::vector<Track>()>& detect);
+  void processTracks(const TrackedFrame& frame, const std::function<std::vector<Track>()>& detect,
+                     const Describe& describe = nullptr);
 
   // What follows may be called from any thread and takes effect with the next image.
 

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include "camera_self_calibration/tracking/image_view.h"
+#include "camera_self_calibration/tracking/track.h"
+
+namespace camera_self_calibration {
+
+/// What the surroundings of a corner look like (ORB): 256 comparisons of gray values, turned with
+/// the image. Equal corners differ in few bits.
+using Descriptor = std::array<std::uint8_t, 32>;
+
+/// A feature with its descriptor.
+struct Appearance {
+  std::int64_t track_id = 0;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  Descriptor descriptor = {};
+};
+
+/// Describes tracks of the newest image.
+using Describe = std::function<std::vector<Appearance>(const std::vector<Track>&)>;
+
+/// Tracks outside the image or in its outermost pixels have no appearance; without an image none
+/// has.
+std::vector<Appearance> describe(const ImageView& image, const std::vector<Track>& tracks);
+
+/// Pairs of indices into `a` and `b` that look alike: each the other's nearest, and clearly nearer
+/// than its second nearest.
+std::vector<std::pair<int, int>> matchAppearances(const std::vector<Descriptor>& a,
+                                                  const std::vector<Descriptor>& b);
+
+}  // namespace camera_self_calibration
