@@ -14,6 +14,10 @@
 namespace camera_self_calibration {
 namespace {
 
+// Disagreement of the queue's segments that is more likely than this is chance: the sigmas are right
+// and the inflation is no estimate of a variance.
+constexpr double kByChance = 0.05;
+
 // Evidence of one block at its present state.
 Evidence linearized(const SegmentBlock& block, const Camera& camera) {
   const int count = camera.estimatedCount();
@@ -138,10 +142,9 @@ std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t en
   Intrinsics parameters = solution.camera.parameters();
   parameters.head(count) += *covariance * gradient;
   reference.camera.setParameters(parameters);
-  if (solution.inflation > 1.0) {
-    reference.inflation_freedom =
-        count * (std::max(2, static_cast<int>(queue.candidates().size())) - 1);
-  }
+  const int freedom = count * (std::max(2, static_cast<int>(queue.candidates().size())) - 1);
+  const double disagreement = solution.inflation * solution.inflation * freedom;
+  if (chiSquareExceedance(disagreement, freedom) < kByChance) reference.inflation_freedom = freedom;
   if (!reference.camera.valid()) return std::nullopt;
   return reference;
 }

@@ -15,7 +15,7 @@ namespace {
 
 using Kind = ChangeVerdict::Kind;
 
-constexpr double kTestsPerKeyframe = 5.0;  // one fast, one of the window, three of the pools
+constexpr double kTestsPerKeyframe = 6.0;  // two fast, one of the window, three of the pools
 constexpr double kDoubt = 1e-2;            // p-value below which nothing enters the queue
 // p-value of the candidate's own solution above which no closer look is worth its time.
 constexpr double kClearlySame = 0.1;
@@ -169,7 +169,8 @@ ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_k
                                             const Reference& reference) const {
   ChangeVerdict verdict;
   LensChange change = testLensChange(window, earlier_keyframes, reference);
-  if (change.usable && change.p_value < limit()) {
+  // A suspicion may be a frame too early, and a single keyframe on the wrong side hides the change.
+  if (earlier_keyframes > 0 || (change.usable && change.p_value < limit())) {
     const int dated = dateLensChange(window, reference);
     if (dated != earlier_keyframes) change = testLensChange(window, dated, reference);
     earlier_keyframes = dated;

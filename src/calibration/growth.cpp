@@ -72,8 +72,6 @@ Segment prefixOf(const Segment& segment, int keyframes, int min_views,
   prefix.earlier_camera = segment.earlier_camera;
   prefix.earlier_keyframes = std::min(segment.earlier_keyframes, keyframes);
   prefix.keyframes.assign(segment.keyframes.begin(), segment.keyframes.begin() + keyframes);
-  prefix.earlier_camera = segment.earlier_camera;
-  prefix.earlier_keyframes = std::min(segment.earlier_keyframes, keyframes);
   std::vector<int> views(segment.landmarks.size(), 0);
   for (const Observation& observation : segment.observations) {
     views[observation.landmark] += observation.keyframe < keyframes;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/transfer.h"
@@ -25,36 +26,62 @@ std::vector<double> squaredResiduals(const SegmentBlock& block, const Camera& ca
   return squares;
 }
 
+// How well the measurements of one landmark fit.
+struct TrackFit {
+  double sum = 0.0;      // of squared whitened residuals
+  double largest = 0.0;  // of them
+  int observations = 0;
+  int freedom = 1;
+};
+
+std::vector<TrackFit> trackFits(const SegmentBlock& block, const Camera& camera) {
+  const Segment& segment = *block.segment;
+  const std::vector<double> squares = squaredResiduals(block, camera);
+  std::vector<TrackFit> fits(segment.landmarks.size());
+  for (std::size_t o = 0; o < squares.size(); ++o) {
+    TrackFit& fit = fits[segment.observations[o].landmark];
+    fit.sum += squares[o];
+    fit.largest = std::max(fit.largest, squares[o]);
+    ++fit.observations;
+  }
+  for (std::size_t l = 0; l < fits.size(); ++l) {
+    const int parameters = segment.landmarks[l].anchored ? 1 : 3;
+    fits[l].freedom = std::max(1, 2 * fits[l].observations - parameters);
+  }
+  return fits;
+}
+
 }  // namespace
 
 std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
                          double exceed_probability) {
-  const Segment& segment = *block.segment;
-  const std::vector<double> squares = squaredResiduals(block, camera);
-  std::vector<double> sum(segment.landmarks.size(), 0.0);
-  std::vector<double> largest(segment.landmarks.size(), 0.0);
-  std::vector<int> count(segment.landmarks.size(), 0);
-  for (std::size_t o = 0; o < squares.size(); ++o) {
-    const int l = segment.observations[o].landmark;
-    sum[l] += squares[o];
-    largest[l] = std::max(largest[l], squares[o]);
-    ++count[l];
-  }
+  const std::vector<TrackFit> fits = trackFits(block, camera);
   std::vector<double> quantile;  // by degrees of freedom
   std::vector<int> result;
   const double single = chiSquareQuantile(2, 0.01 * exceed_probability);
-  for (std::size_t l = 0; l < sum.size(); ++l) {
-    if (count[l] == 0) continue;
-    const int freedom = std::max(1, 2 * count[l] - (segment.landmarks[l].anchored ? 1 : 3));
-    while (static_cast<int>(quantile.size()) <= freedom) {
+  for (std::size_t l = 0; l < fits.size(); ++l) {
+    const TrackFit& fit = fits[l];
+    if (fit.observations == 0) continue;
+    while (static_cast<int>(quantile.size()) <= fit.freedom) {
       const int next = static_cast<int>(quantile.size());
       quantile.push_back(next == 0 ? 0.0 : chiSquareQuantile(next, exceed_probability));
     }
-    if (!(sum[l] <= 2.0 * quantile[freedom]) || largest[l] > single) {
+    if (!(fit.sum <= 2.0 * quantile[fit.freedom]) || fit.largest > single) {
       result.push_back(static_cast<int>(l));
     }
   }
   return result;
+}
+
+std::vector<int> worstTracks(const SegmentBlock& block, const Camera& camera, int count) {
+  const std::vector<TrackFit> fits = trackFits(block, camera);
+  std::vector<int> order(fits.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return fits[a].sum * fits[b].freedom > fits[b].sum * fits[a].freedom;
+  });
+  order.resize(std::min<std::size_t>(order.size(), std::max(0, count)));
+  return order;
 }
 
 std::vector<int> grossMisfits(const SegmentBlock& block, const Camera& camera, double sigmas,

@@ -15,6 +15,10 @@ namespace camera_self_calibration {
 std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
                          double exceed_probability = 1e-3);
 
+/// The `count` landmarks that fit worst, by the mean squared whitened residual per degree of
+/// freedom; worst first. Indices into the segment's landmarks.
+std::vector<int> worstTracks(const SegmentBlock& block, const Camera& camera, int count);
+
 /// Landmarks with a residual that is gross: beyond `sigmas` scaled sigmas and beyond `min_px`, or
 /// that cannot be predicted.
 std::vector<int> grossMisfits(const SegmentBlock& block, const Camera& camera, double sigmas,
