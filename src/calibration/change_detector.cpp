@@ -60,6 +60,15 @@ Evidence ownEvidence(const Candidate& candidate) {
           candidate.information};
 }
 
+// What a candidate that contradicts says without the tracks that may feign it.
+std::optional<Evidence> verified(const Evidence& evidence, const Candidate& candidate,
+                                 const Reference& reference) {
+  const auto fitting = evidenceAt(
+      reference.camera, fittingOneLens(candidate.segment, reference.camera), candidate.sigma_scale);
+  const double whole = agreement({evidence}, reference).statistic;
+  return fitting && agreement({*fitting}, reference).statistic < whole ? fitting : evidence;
+}
+
 // Those that disagree with what the lens has become.
 std::vector<std::int64_t> staleSegments(const ChangeCourse& course, const QueueEstimate& queue) {
   const Reference now{course.camera, course.information, 1.0, 0};
@@ -114,41 +123,54 @@ ChangeVerdict ChangeDetector::examineKeyframe(const Segment& window, const Candi
   ChangeVerdict verdict;
   const auto reference = referenceWithout(window.beginNs(), window.endNs(), queue, solution);
   if (!reference || window.keyframes.empty()) return verdict;
-  const int keyframes = static_cast<int>(window.keyframes.size());
   const int earlier = keyframesBefore(window, suspected_onset_ns);
-  const bool suspected = suspected_onset_ns > 0 && earlier > 0;
-  if (suspected) {
-    if (keyframes - earlier >= kMinLaterKeyframes && earlier >= kMinEarlierKeyframes) {
-      verdict = examineWindow(window, earlier, *reference);
-      if (verdict.kind == Kind::kSame && verdict.p_value > kUnfounded) return verdict;
-    }
-    if (verdict.kind == Kind::kSame) {
-      verdict.kind = Kind::kDoubt;
-      verdict.reason = "the tracks fit less well than usual: this is being looked into";
-    }
-    return verdict;
+  if (suspected_onset_ns > 0 && earlier > 0) return examineSuspicion(window, earlier, *reference);
+  return examineCandidate(window, candidate, *reference, queue, solution);
+}
+
+ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlier_keyframes,
+                                               const Reference& reference) const {
+  ChangeVerdict verdict;
+  const int later = static_cast<int>(window.keyframes.size()) - earlier_keyframes;
+  if (later >= kMinLaterKeyframes && earlier_keyframes >= kMinEarlierKeyframes) {
+    verdict = examineWindow(window, earlier_keyframes, reference);
+    if (verdict.kind == Kind::kSame && verdict.p_value > kUnfounded) return verdict;
   }
+  if (verdict.kind == Kind::kSame) {
+    verdict.kind = Kind::kDoubt;
+    verdict.reason = "the tracks fit less well than usual: this is being looked into";
+  }
+  return verdict;
+}
+
+ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Candidate& candidate,
+                                               const Reference& reference,
+                                               const QueueEstimate& queue,
+                                               const QueueSolution& solution) {
+  ChangeVerdict verdict;
   if (candidate.information.size() == 0) return verdict;
   if (candidate.residual_scale > kMaxMisfit * usual_residual_scale_) {
     verdict.kind = Kind::kBadData;
     verdict.reason = "the tracks fit no lens well";
     return verdict;
   }
-  const double own_p_value = agreement({ownEvidence(candidate)}, *reference).p_value;
+  const double own_p_value = agreement({ownEvidence(candidate)}, reference).p_value;
   if (own_p_value > kClearlySame && !isNewStretch(candidate)) {
     verdict.p_value = own_p_value;
     return verdict;
   }
-  const auto evidence =
-      evidenceAt(reference->camera, restarted(candidate.segment, window), candidate.sigma_scale);
+  auto evidence =
+      evidenceAt(reference.camera, restarted(candidate.segment, window), candidate.sigma_scale);
   if (!evidence) return verdict;
+  const bool contradicts = agreement({*evidence}, reference).p_value < kDoubt;
+  if (contradicts) evidence = verified(*evidence, candidate, reference);
   if (!recent_.empty() && recent_.back().evidence.point.size() != evidence->point.size()) {
     recent_.clear();  // of another lens model
   }
-  const Agreement single = agreement({*evidence}, *reference);
+  const Agreement single = agreement({*evidence}, reference);
   verdict.p_value = single.p_value;
   if (single.p_value < limit()) {
-    verdict = examineWindow(window, 0, *reference);
+    verdict = examineWindow(window, 0, reference);
     if (verdict.kind != Kind::kSame) return verdict;
   }
   remember(candidate, *evidence);
@@ -156,7 +178,7 @@ ChangeVerdict ChangeDetector::examineKeyframe(const Segment& window, const Candi
     const ChangeVerdict pooled = examineRecent(queue, solution);
     if (pooled.kind != Kind::kSame) return pooled;
   }
-  if (verdict.kind == Kind::kSame && single.p_value < kDoubt) {
+  if (verdict.kind == Kind::kSame && contradicts) {
     verdict.kind = Kind::kDoubt;
     verdict.reason = withP("it disagrees with the queue", single.p_value);
   }

@@ -66,21 +66,6 @@ double fitOneLens(Segment* segment, Camera* lens) {
   return robustCost(freeBlock(segment, *lens), *lens, options.huber);
 }
 
-// The stretch as one lens throughout explains it best, without the tracks that fit it worst.
-Segment fittingOneLens(const Segment& segment, Camera lens) {
-  Segment given = segment;
-  given.earlier_camera.reset();
-  Segment grown = given;
-  GrowthOptions held;
-  held.free_after_keyframes = std::numeric_limits<int>::max();
-  bootstrap(held, &grown, &lens);
-  Segment result = fitOneLens(&grown, &lens) < fitOneLens(&given, &lens) ? grown : given;
-  const int count = static_cast<int>(kTrimmedShare * static_cast<double>(result.landmarks.size()));
-  removeLandmarks(worstTracks(freeBlock(&result, lens), lens, count), &result);
-  result.earlier_camera = segment.earlier_camera;
-  return result;
-}
-
 // The two hypotheses compared on the tracks that fit under a change.
 LensChange compare(const Segment& segment, int earlier_keyframes, const Reference& reference) {
   LensChange change;
@@ -124,6 +109,21 @@ LensChange compare(const Segment& segment, int earlier_keyframes, const Referenc
 
 }  // namespace
 
+Segment fittingOneLens(const Segment& segment, const Camera& camera) {
+  Camera lens = camera;
+  Segment given = segment;
+  given.earlier_camera.reset();
+  Segment grown = given;
+  GrowthOptions held;
+  held.free_after_keyframes = std::numeric_limits<int>::max();
+  bootstrap(held, &grown, &lens);
+  Segment result = fitOneLens(&grown, &lens) < fitOneLens(&given, &lens) ? grown : given;
+  const int count = static_cast<int>(kTrimmedShare * static_cast<double>(result.landmarks.size()));
+  removeLandmarks(worstTracks(freeBlock(&result, lens), lens, count), &result);
+  result.earlier_camera = segment.earlier_camera;
+  return result;
+}
+
 int dateLensChange(const Segment& segment, const Reference& reference) {
   int best = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -140,8 +140,6 @@ LensChange testLensChange(const Segment& segment, int earlier_keyframes,
                           const Reference& reference) {
   LensChange change = compare(segment, earlier_keyframes, reference);
   if (!change.usable || change.p_value > kToBeVerified) return change;
-  // A change of the lens moves nearly all tracks. One that only those show which fit one lens worst
-  // is feigned by outliers; one that vanishes from another start, by a wrong minimum.
   const Segment fitting = fittingOneLens(segment, reference.camera);
   const LensChange verified = compare(fitting, earlier_keyframes, reference);
   if (verified.usable && verified.statistic < change.statistic) {

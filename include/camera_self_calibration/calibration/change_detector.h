@@ -71,6 +71,11 @@ class ChangeDetector {
   ChangeVerdict examineKeyframe(const Segment& window, const Candidate& candidate,
                                 std::int64_t suspected_onset_ns, const QueueEstimate& queue,
                                 const QueueSolution& solution);
+  ChangeVerdict examineSuspicion(const Segment& window, int earlier_keyframes,
+                                 const Reference& reference) const;
+  ChangeVerdict examineCandidate(const Segment& window, const Candidate& candidate,
+                                 const Reference& reference, const QueueEstimate& queue,
+                                 const QueueSolution& solution);
   ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
   ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
                               const Reference& reference) const;

@@ -22,9 +22,16 @@ struct LensChange {
 
 /// Solves the stretch with the reference's intrinsics for its first `earlier_keyframes` keyframes
 /// (0: none) and free ones for the others, and compares with one set of intrinsics for all. The
-/// known structure makes few keyframes after a change suffice.
+/// known structure makes few keyframes after a change suffice. What speaks for a change has to do so
+/// in fittingOneLens(), too: `statistic` is the smaller one.
 LensChange testLensChange(const Segment& segment, int earlier_keyframes,
                           const Reference& reference);
+
+/// The stretch as one lens throughout explains it best: solved with the intrinsics of `camera` from
+/// its own state and grown anew, without the 15 % of its tracks that fit worst. A change of the lens
+/// moves nearly all tracks: one that shows only in those is feigned by outliers, and one that
+/// vanishes from another start by a wrong minimum. Its gauge may be another than that of `segment`.
+Segment fittingOneLens(const Segment& segment, const Camera& camera);
 
 /// The most likely time of a change within the stretch: how many of its keyframes came before it
 /// (0: the whole stretch shows another lens than the reference), each tried and the costs compared.
