@@ -56,7 +56,7 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
     return candidate;
   }
   SegmentFitOptions fit_options;
-  fit_options.cost_tolerance = 1e-5;  // Below a tenth of a sigma.
+  fit_options.cost_tolerance = 3e-5;  // Below a tenth of a sigma.
   const SegmentFit fit = fitSegment(fit_options, &candidate.segment, &candidate.camera);
   if (!fit.usable) {
     candidate.reason = "no solution was found";

@@ -1,8 +1,10 @@
 // Nested elimination: landmarks, then poses; and back.
 
 #include <cmath>
+#include <cstddef>
 
 #include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/geometry/cpu_clones.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -24,6 +26,24 @@ Eigen::Matrix3d landmarkCholesky(const Eigen::Matrix3d& hessian, int dimension, 
     }
   }
   return factor;
+}
+
+// target -= left right^T, with `rank` columns (1 or 3) in both, `pitch` apart; the target's are
+// `target_pitch` apart.
+SELFCAL_CPU_CLONES void subtractProducts(const double* left, const double* right, int pitch,
+                                         int rank, int rows, int columns, double* target,
+                                         std::ptrdiff_t target_pitch) {
+  for (int c = 0; c < columns; ++c) {
+    double* __restrict out = target + c * target_pitch;
+    if (rank == 3) {
+      const double x = right[c], y = right[pitch + c], z = right[2 * pitch + c];
+      for (int r = 0; r < rows; ++r) {
+        out[r] -= left[r] * x + left[pitch + r] * y + left[2 * pitch + r] * z;
+      }
+    } else {
+      for (int r = 0; r < rows; ++r) out[r] -= left[r] * right[c];
+    }
+  }
 }
 
 }  // namespace
@@ -52,41 +72,55 @@ void LinearSegment::eliminateLandmarks(double damping) {
 }
 
 // S -= U U^T with U = W L^-T, W the landmark's coupling to the poses that see it and to the tail.
+// Column by column of S: keyframes that follow each other give long columns.
 template <int kTail, int kDimension>
 void LinearSegment::eliminateLandmark(std::size_t l) {
-  using Pose = Eigen::Matrix<double, 6, kDimension>;
-  using Tail = Eigen::Matrix<double, kTail, kDimension>;
+  const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
+  const int* poses = structure_.entry_poses.data() + place.first_entry;
+  const int rows = 6 * place.entries + kTail;
+  const int tail = 6 * place.entries;
+  const int last = poseColumns();
+  whiten<kTail, kDimension>(l);
+  const auto subtract = [&](int row, int count, int at_row, int column, int columns,
+                            int at_column) {
+    subtractProducts(whitened_.data() + row, whitened_.data() + column, rows, kDimension, count,
+                     columns, &schur_(at_row, at_column), schur_.rows());
+  };
+  for (int b = 0; b < place.entries; ++b) {
+    for (int a = 0, end = 0; a < place.entries; a = end) {
+      end = a + 1;
+      if (poses[a] < poses[b]) continue;
+      while (end < place.entries && poses[end] == poses[end - 1] + 1) ++end;
+      subtract(6 * a, 6 * (end - a), 6 * poses[a], 6 * b, 6, 6 * poses[b]);
+    }
+    subtract(tail, kTail, last, 6 * b, 6, 6 * poses[b]);
+  }
+  subtract(tail, kTail, last, tail, kTail, last);
+}
+
+// U of one landmark, one column for each of its dimensions: rows of the poses, then of the tail.
+template <int kTail, int kDimension>
+void LinearSegment::whiten(std::size_t l) {
   const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
   const Eigen::Matrix3d& factor = landmark_cholesky_[l];
-  const auto whiten = [&factor](auto* rows) {
-    for (int j = 0; j < kDimension; ++j) {
-      for (int k = 0; k < j; ++k) rows->col(j) -= factor(j, k) * rows->col(k);
-      rows->col(j) *= factor(j, j);
-    }
-  };
-  const int size = 6 * kDimension;
   const double* couplings = couplings_.data() + coupling_begin_[l];
-  whitened_.resize(static_cast<std::size_t>(place.entries * size));
-  Tail tail = Eigen::Map<const Tail>(couplings + place.entries * size);
-  whiten(&tail);
-  const int last = poseColumns();
-  schur_.template block<kTail, kTail>(last, last) -= tail.lazyProduct(tail.transpose());
-  for (int a = 0; a < place.entries; ++a) {
-    Eigen::Map<Pose> rows(whitened_.data() + a * size);
-    rows = Eigen::Map<const Pose>(couplings + a * size);
-    whiten(&rows);
-    const int at = 6 * structure_.entry_poses[place.first_entry + a];
-    schur_.template block<kTail, 6>(last, at) -= tail.lazyProduct(rows.transpose());
-    for (int b = 0; b <= a; ++b) {
-      const Eigen::Map<const Pose> others(whitened_.data() + b * size);
-      const int other = 6 * structure_.entry_poses[place.first_entry + b];
-      if (at >= other) {
-        schur_.template block<6, 6>(at, other) -= rows.lazyProduct(others.transpose());
-      } else {
-        schur_.template block<6, 6>(other, at) -= others.lazyProduct(rows.transpose());
-      }
+  const int rows = 6 * place.entries + kTail;
+  whitened_.resize(static_cast<std::size_t>(rows * kDimension));
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kDimension>> all(whitened_.data(), rows,
+                                                                    kDimension);
+  const auto fill = [&](auto part, const double* from) {
+    using Part = Eigen::Matrix<double, decltype(part)::RowsAtCompileTime, kDimension>;
+    Part values = Eigen::Map<const Part>(from);
+    for (int j = 0; j < kDimension; ++j) {
+      for (int k = 0; k < j; ++k) values.col(j) -= factor(j, k) * values.col(k);
+      values.col(j) *= factor(j, j);
     }
+    part = values;
+  };
+  for (int e = 0; e < place.entries; ++e) {
+    fill(all.template middleRows<6>(6 * e), couplings + 6 * kDimension * e);
   }
+  fill(all.template bottomRows<kTail>(), couplings + 6 * kDimension * place.entries);
 }
 
 void LinearSegment::eliminatePoses() {

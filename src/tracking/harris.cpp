@@ -1,7 +1,10 @@
 #include "camera_self_calibration/tracking/harris.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <numeric>
+
+#include "camera_self_calibration/geometry/cpu_clones.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -11,7 +14,52 @@ constexpr float kRelativeThreshold = 1e-3f;  // Of a strong response: about 1/6 
 constexpr double kStrongShare = 0.02;        // Of the local maxima count as strong.
 constexpr float kScharr = 1.0f / 32.0f;      // Of OpenCV's derivatives, to gray per pixel.
 constexpr float kMinResponse = 4.0f;         // [gray^4/px^4] Below lies the noise of any camera.
-constexpr std::array<float, 5> kBinomial = {1 / 16.0f, 4 / 16.0f, 6 / 16.0f, 4 / 16.0f, 1 / 16.0f};
+constexpr std::array<float, 3> kBinomial = {6 / 16.0f, 4 / 16.0f, 1 / 16.0f};  // Centre first.
+constexpr int kBlock = 32;  // Pixels side by side.
+
+// Products of the derivatives dx, dy that follow each other in `d`.
+SELFCAL_CPU_CLONES void multiply(const std::int16_t* d, int width, float* __restrict xx,
+                                 float* __restrict xy, float* __restrict yy) {
+  for (int x = 0; x < width; ++x) {
+    const float dx = kScharr * d[2 * x];
+    const float dy = kScharr * d[2 * x + 1];
+    xx[x] = dx * dx;
+    xy[x] = dx * dy;
+    yy[x] = dy * dy;
+  }
+}
+
+// Of five values, the third in the middle.
+SELFCAL_CPU_CLONES void smooth(const float* a, const float* b, const float* c, const float* d,
+                               const float* e, int count, float* __restrict out) {
+  for (int i = 0; i < count; ++i) {
+    out[i] = kBinomial[2] * (a[i] + e[i]) + kBinomial[1] * (b[i] + d[i]) + kBinomial[0] * c[i];
+  }
+}
+
+SELFCAL_CPU_CLONES void cornerness(const float* xx, const float* xy, const float* yy, int width,
+                                   float* __restrict out) {
+  for (int x = 0; x < width; ++x) {
+    const float trace = xx[x] + yy[x];
+    out[x] = xx[x] * yy[x] - xy[x] * xy[x] - kHarris * trace * trace;
+  }
+}
+
+// Whether each value of a row is a maximum among its neighbours, without a branch: vectorises.
+SELFCAL_CPU_CLONES bool markMaxima(const float* row, const float* above, const float* below,
+                                   int count, int* __restrict marks) {
+  int any = 0;
+  for (int x = 0; x < count; ++x) {
+    const float c = row[x];
+    const float before =
+        std::max(std::max(row[x - 1], above[x]), std::max(above[x - 1], above[x + 1]));
+    const float after =
+        std::max(std::max(row[x + 1], below[x]), std::max(below[x - 1], below[x + 1]));
+    marks[x] = (c >= kMinResponse) & (c > before) & (c >= after);
+    any |= marks[x];
+  }
+  return any != 0;
+}
 
 }  // namespace
 
@@ -32,20 +80,11 @@ void HarrisDetector::smoothedRow(const cv::Mat& derivatives, int y) {
   float* xx = products_.data();
   float* xy = xx + width;
   float* yy = xy + width;
-  for (int x = 0; x < width; ++x) {
-    const float dx = kScharr * d[2 * x];
-    const float dy = kScharr * d[2 * x + 1];
-    xx[x] = dx * dx;
-    xy[x] = dx * dy;
-    yy[x] = dy * dy;
-  }
+  multiply(d, width, xx, xy, yy);
   // One pass over the three rows; what crosses from one to the next lies in the border.
-  const float* in = products_.data();
-  float* out = smoothed_[static_cast<std::size_t>(y % kTaps)].data();
-  for (int x = 2; x < 3 * width - 2; ++x) {
-    out[x] = kBinomial[0] * (in[x - 2] + in[x + 2]) + kBinomial[1] * (in[x - 1] + in[x + 1]) +
-             kBinomial[2] * in[x];
-  }
+  const float* in = products_.data() + 2;
+  smooth(in - 2, in - 1, in, in + 1, in + 2, 3 * width - 4,
+         smoothed_[static_cast<std::size_t>(y % kTaps)].data() + 2);
 }
 
 void HarrisDetector::respond(const ImagePyramid& image) {
@@ -64,42 +103,25 @@ void HarrisDetector::respond(const ImagePyramid& image) {
           smoothed_[static_cast<std::size_t>((y - kTaps + 1 + k) % kTaps)].data();
     }
     float* sum = products_.data();
-    for (std::size_t x = 0; x < length; ++x) {
-      sum[x] = kBinomial[0] * (r[0][x] + r[4][x]) + kBinomial[1] * (r[1][x] + r[3][x]) +
-               kBinomial[2] * r[2][x];
-    }
-    float* out = response_.ptr<float>(y - kTaps / 2);
-    for (int x = 0; x < width; ++x) {
-      const float xx = sum[x], xy = sum[width + x], yy = sum[2 * width + x];
-      const float trace = xx + yy;
-      out[x] = xx * yy - xy * xy - kHarris * trace * trace;
-    }
-  }
-}
-
-// Whether each pixel of a row is a maximum among its neighbours, without a branch: vectorises.
-void HarrisDetector::markMaxima(int y, int border) {
-  const float* row = response_.ptr<float>(y);
-  const float* above = response_.ptr<float>(y - 1);
-  const float* below = response_.ptr<float>(y + 1);
-  int* marks = marks_.data();
-  for (int x = border; x < response_.cols - border; ++x) {
-    const float c = row[x];
-    const float before =
-        std::max(std::max(row[x - 1], above[x]), std::max(above[x - 1], above[x + 1]));
-    const float after =
-        std::max(std::max(row[x + 1], below[x]), std::max(below[x - 1], below[x + 1]));
-    marks[x] = (c >= kMinResponse) & (c > before) & (c >= after);
+    smooth(r[0], r[1], r[2], r[3], r[4], static_cast<int>(length), sum);
+    cornerness(sum, sum + width, sum + 2 * width, width, response_.ptr<float>(y - kTaps / 2));
   }
 }
 
 void HarrisDetector::findMaxima(int border) {
-  marks_.resize(static_cast<std::size_t>(response_.cols));
+  std::array<int, kBlock> marks;
+  const int end = response_.cols - border;
   for (int y = border; y < response_.rows - border; ++y) {
-    markMaxima(y, border);
-    for (int x = border; x < response_.cols - border; ++x) {
-      if (marks_[static_cast<std::size_t>(x)] == 0) continue;
-      corners_.push_back({x, y, response_.ptr<float>(y)[x]});
+    const float* row = response_.ptr<float>(y);
+    for (int x = border; x < end; x += kBlock) {
+      const int count = std::min(kBlock, end - x);
+      if (!markMaxima(row + x, response_.ptr<float>(y - 1) + x, response_.ptr<float>(y + 1) + x,
+                      count, marks.data())) {
+        continue;
+      }
+      for (int k = 0; k < count; ++k) {
+        if (marks[static_cast<std::size_t>(k)] != 0) corners_.push_back({x + k, y, row[x + k]});
+      }
     }
   }
 }
@@ -122,16 +144,15 @@ void HarrisDetector::order(int cell) {
   const int columns = response_.cols / cell + 1;
   in_cell_.assign(static_cast<std::size_t>(columns * (response_.rows / cell + 1)), 0);
   round_.clear();
+  begin_.assign(corners_.size() + 1, 0);
   for (const Corner& corner : corners_) {
-    round_.push_back(
-        in_cell_[static_cast<std::size_t>(corner.y / cell * columns + corner.x / cell)]++);
+    const std::size_t in = static_cast<std::size_t>(corner.y / cell * columns + corner.x / cell);
+    round_.push_back(in_cell_[in]++);
+    ++begin_[round_.back() + 1];
   }
-  order_.resize(round_.size());
-  std::iota(order_.begin(), order_.end(), std::size_t{0});
-  std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
-    return round_[a] != round_[b] ? round_[a] < round_[b] : a < b;
-  });
-  for (const std::size_t i : order_) ordered_.push_back(corners_[i]);
+  std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  ordered_.resize(corners_.size());
+  for (std::size_t i = 0; i < corners_.size(); ++i) ordered_[begin_[round_[i]]++] = corners_[i];
 }
 
 }  // namespace camera_self_calibration

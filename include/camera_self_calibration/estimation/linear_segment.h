@@ -108,6 +108,8 @@ class LinearSegment {
   void eliminateLandmarks(double damping);
   template <int kTail, int kDimension>
   void eliminateLandmark(std::size_t landmark);
+  template <int kTail, int kDimension>
+  void whiten(std::size_t landmark);
   void eliminatePoses();
   Eigen::Vector3d landmarkStep(std::size_t landmark, const Eigen::Ref<const Eigen::VectorXd>& poses,
                                const Intrinsics& intrinsics) const;
@@ -149,7 +151,7 @@ class LinearSegment {
   // After eliminate(): Cholesky factors of the landmark blocks, the poses' system, the tail with
   // factors of the poses' eliminated.
   std::vector<Eigen::Matrix3d> landmark_cholesky_;
-  std::vector<double> whitened_;  // scratch: the couplings of one landmark
+  std::vector<double> whitened_;  // scratch: the whitened couplings of one landmark
   Eigen::MatrixXd schur_;
   PseudoInverse poses_inverse_;
   Eigen::MatrixXd whitened_tail_;  // F^T S_pt, with S_pp^-1 = F F^T

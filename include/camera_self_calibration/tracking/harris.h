@@ -26,7 +26,6 @@ class HarrisDetector {
  private:
   void smoothedRow(const cv::Mat& derivatives, int y);
   void respond(const ImagePyramid& image);
-  void markMaxima(int y, int border);
   void findMaxima(int border);
   void order(int cell);
 
@@ -34,11 +33,10 @@ class HarrisDetector {
   cv::Mat response_;
   std::vector<float> products_;                     // One row: xx, xy, yy.
   std::array<std::vector<float>, kTaps> smoothed_;  // Rows of products, smoothed along x.
-  std::vector<int> marks_;  // Of one row.
   std::vector<Corner> corners_;
-  std::vector<int> round_;  // Per corner, its rank in its cell.
-  std::vector<int> in_cell_;
-  std::vector<std::size_t> order_;
+  std::vector<std::size_t> round_;  // Per corner, its rank in its cell.
+  std::vector<std::size_t> in_cell_;
+  std::vector<std::size_t> begin_;  // Of each round.
   std::vector<Corner> ordered_;
 };
 
