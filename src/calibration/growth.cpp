@@ -43,9 +43,9 @@ double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
         !landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr)) {
       continue;
     }
-    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
-                                          ray, landmark.inverse_depth,
-                                          segment.keyframes[k].world_from_camera));
+    depths.push_back(std::abs(
+        transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera, ray,
+                             landmark.inverse_depth, segment.keyframes[k].world_from_camera)));
   }
   const double middle = median(std::move(depths), 1.0);
   return middle > 0.0 ? middle : 1.0;
@@ -53,7 +53,9 @@ double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
 
 void restartRunawayDepths(double max_ratio, Segment* segment) {
   std::vector<double> depths;
-  for (const Landmark& landmark : segment->landmarks) depths.push_back(landmark.inverse_depth);
+  for (const Landmark& landmark : segment->landmarks) {
+    depths.push_back(std::abs(landmark.inverse_depth));
+  }
   const double middle = median(std::move(depths), 1.0);
   const double typical = middle > 0.0 ? middle : 1.0;
   for (Landmark& landmark : segment->landmarks) {

@@ -1,11 +1,10 @@
 #include "camera_self_calibration/calibration/health.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <cstdio>
 
+#include "camera_self_calibration/calibration/weak_directions.h"
 #include "camera_self_calibration/estimation/marginal.h"
-#include "camera_self_calibration/estimation/pseudo_inverse.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -52,19 +51,27 @@ std::string toString(CalibrationState state) {
   return "";
 }
 
-std::string weakestDirection(const IntrinsicsMatrix& information, const Camera& camera) {
-  const Intrinsics scale = information.diagonal().unaryExpr(&inverseRoot);
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
-  if (scaled.size() == 0 || !scaled.allFinite()) return "all parameters";
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  const Eigen::VectorXd direction = eigen.eigenvectors().col(0).cwiseAbs();
-  std::string names;
-  for (Eigen::Index i = 0; i < direction.size(); ++i) {
-    if (direction(i) < 0.5 * direction.maxCoeff()) continue;
-    names += (names.empty() ? "" : ", ") + camera.parameterNames()[i];
-  }
-  return names;
+namespace {
+
+// The parameters that are known least and the motion that would tell them.
+WeakDirection weakest(const HealthEvidence& evidence, const Camera& camera) {
+  if (evidence.has_estimate) return weakestDirection(evidence.information, camera);
+  return {"all parameters", kMotionHint};
 }
+
+HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
+  std::string sentence =
+      evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
+  if (evidence.has_estimate) {
+    sentence += format("; so far good to %.2f px rms over the image (hand-over below %.2f px)",
+                       evidence.uncertainty.rms, 2.0 * evidence.threshold_px);
+    sentence += ", least known: " + weak.name;
+  }
+  if (!evidence.obstacle.empty()) sentence += "; " + evidence.obstacle;
+  return {CalibrationState::kInitializing, sentence, weak.hint};
+}
+
+}  // namespace
 
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
                           bool was_converged) {
@@ -82,11 +89,13 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
                    evidence.threshold_px),
             ""};
   }
+  const WeakDirection weak = weakest(evidence, camera);
   if (evidence.handed_over) {
     return {CalibrationState::kConverging,
             format("the calibration is good to %.2f px rms over the image, %.2f px are wanted", rms,
-                   evidence.threshold_px),
-            kMotionHint};
+                   evidence.threshold_px) +
+                "; least known: " + weak.name,
+            weak.hint};
   }
   if (evidence.keyframes < 2) {
     return {CalibrationState::kWaitingForMotion,
@@ -94,18 +103,11 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
   }
   if (evidence.keyframes >= kKeyframesToJudge && isUnobserved(evidence, camera)) {
     return {CalibrationState::kDegenerate,
-            "the motion so far does not tell the intrinsics; least known: " +
-                weakestDirection(evidence.information, camera),
-            kMotionHint};
+            "the motion so far does not tell the intrinsics; least known: " + weak.name +
+                ", kept as last known",
+            weak.hint};
   }
-  std::string sentence =
-      evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
-  if (evidence.has_estimate) {
-    sentence += format("; so far good to %.2f px rms over the image (hand-over below %.2f px)", rms,
-                       2.0 * evidence.threshold_px);
-  }
-  if (!evidence.obstacle.empty()) sentence += "; " + evidence.obstacle;
-  return {CalibrationState::kInitializing, sentence, kMotionHint};
+  return stillLearning(evidence, weak);
 }
 
 }  // namespace camera_self_calibration

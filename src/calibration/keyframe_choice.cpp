@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
@@ -67,9 +68,9 @@ double Assembly::medianDepth(int k) const {
   for (const auto& [track_id, record] : tracks_) {
     if (record.solved == nullptr || record.sightings.count(k) == 0) continue;
     const Landmark& landmark = record.landmark;
-    depths.push_back(transferInverseDepth(
+    depths.push_back(std::abs(transferInverseDepth(
         record.solved->keyframes[landmark.reference].world_from_camera, landmark.bearing,
-        landmark.inverse_depth, result_.keyframes[k].world_from_camera));
+        landmark.inverse_depth, result_.keyframes[k].world_from_camera)));
   }
   const double middle = median(std::move(depths), 1.0);
   return middle > 0.0 ? middle : 1.0;

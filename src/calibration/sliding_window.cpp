@@ -1,6 +1,7 @@
 #include "camera_self_calibration/calibration/sliding_window.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -58,16 +59,18 @@ Rigid3 SlidingWindow::newestPose() const {
   return map_.keyframes().empty() ? Rigid3() : map_.keyframes().back().world_from_camera;
 }
 
-// Median inverse depth, in the segment's last keyframe, of the landmarks that are seen there.
+// Median size of the inverse depths, in the segment's last keyframe, of the landmarks seen there.
+// In rotation on the spot half of them may be negative; a median that loses its sign would let the
+// scale run away.
 static double newestInverseDepth(const Segment& segment) {
   std::vector<double> depths;
   const int last = static_cast<int>(segment.keyframes.size()) - 1;
   for (const Observation& observation : segment.observations) {
     if (observation.keyframe != last) continue;
     const Landmark& landmark = segment.landmarks[observation.landmark];
-    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
-                                          landmark.bearing, landmark.inverse_depth,
-                                          segment.keyframes[last].world_from_camera));
+    depths.push_back(std::abs(transferInverseDepth(
+        segment.keyframes[landmark.reference].world_from_camera, landmark.bearing,
+        landmark.inverse_depth, segment.keyframes[last].world_from_camera)));
   }
   const double value = median(std::move(depths), 1.0);
   return value > 0.0 ? value : 1.0;
@@ -163,10 +166,15 @@ double SlidingWindow::medianDepthOf(const Segment& solution, const Keyframe& new
     const auto found = map_.points().find(solution.landmarks[observation.landmark].track_id);
     if (found == map_.points().end()) continue;
     const auto depth = map_.inverseDepthFrom(newest.world_from_camera, found->second, camera_);
-    if (depth) depths.push_back(*depth);
+    if (depth) depths.push_back(std::abs(*depth));
   }
   const double value = median(std::move(depths), 1.0);
   return value > 0.0 ? value : 1.0;
+}
+
+double SlidingWindow::typicalInverseDepth() const {
+  if (map_.keyframes().empty()) return 1.0;
+  return newestInverseDepth(map_.lastKeyframes(2, camera_));
 }
 
 std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Track& track) const {
@@ -225,7 +233,7 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
     const auto found = map_.points().find(track.id);
     if (found == map_.points().end()) continue;
     const auto known = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
-    if (known) depths.push_back(*known);
+    if (known) depths.push_back(std::abs(*known));
   }
   const double depth = median(std::move(depths), 1.0);
   map_.addKeyframe(keyframe, tracks, depth > 0.0 ? depth : 1.0, camera_);

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "camera_self_calibration/calibration/segment_fit.h"
+#include "camera_self_calibration/calibration/weak_directions.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
 
@@ -65,7 +66,7 @@ Startup::Startup(const StartupOptions& options, const Camera& initial) : options
 }
 
 void Startup::reset(const Camera& initial) {
-  initial_ = camera_ = initial;
+  initial_ = camera_ = trusted_ = initial;
   options_.growth.prior = vaguePrior(initial);
   segment_ = Segment();
   information_ = covariance_ = IntrinsicsMatrix();
@@ -78,7 +79,7 @@ void Startup::reset(const Camera& initial) {
 }
 
 void Startup::switchModel(const Camera& camera) {
-  initial_ = camera_ = camera;
+  initial_ = camera_ = trusted_ = camera;
   options_.growth.prior = vaguePrior(camera);
   information_ = covariance_ = IntrinsicsMatrix();
   uncertainty_ = kUnknown;
@@ -95,6 +96,14 @@ void Startup::resume(const Camera& camera, const IntrinsicsMatrix& information,
   usable_ = true;
   told_ = tellsLens();
   added_ = static_cast<int>(solved.keyframes.size());
+}
+
+Camera Startup::heldCamera() const {
+  if (tellsLens()) return camera_;
+  Camera trusted = trusted_;
+  trusted.setEstimateK3(camera_.estimatedCount() == kMaxIntrinsics);
+  return withWeakDirectionsHeld(camera_, information_, trusted,
+                                options_.useless_uncertainty_share * camera_.width());
 }
 
 bool Startup::tellsLens() const {
@@ -181,7 +190,10 @@ void Startup::judge() {
   usable_ = true;
   if (fit.unexplained_sigma > 0.0 && tellsLens()) considerK3(gated);
   told_ = tellsLens();
-  if (told_) options_.growth.prior.mean = camera_.parameters();
+  if (told_) {
+    trusted_ = camera_;
+    options_.growth.prior.mean = camera_.parameters();
+  }
   // The gated solution is the better one; tracks that did not fit stay with their old depth, since
   // they may fit later.
   std::map<std::int64_t, const Landmark*> solved;

@@ -86,27 +86,52 @@ BestRotation bestRotation(const std::vector<PixelRay>& grid, const Camera& b) {
 
 }  // namespace
 
-std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
-                                                 const IntrinsicsMatrix& covariance) {
-  const int n = camera.estimatedCount();
-  if (covariance.rows() != n || covariance.cols() != n || !covariance.allFinite()) return {};
+namespace {
+
+// Where in the image, and what the intrinsics do there that no rotation of the camera absorbs:
+// A' = A - B (sum B^T B)^-1 sum B^T A.
+struct CompensatedPixel {
+  Eigen::Vector2d pixel;
+  PixelIntrinsicsJacobian a;
+};
+
+std::vector<CompensatedPixel> compensatedDerivatives(const Camera& camera) {
   const std::vector<PointDerivatives> grid = gridDerivatives(camera);
   Eigen::Matrix3d btb = Eigen::Matrix3d::Zero();
-  RayIntrinsicsJacobian bta = RayIntrinsicsJacobian::Zero(3, n);
+  RayIntrinsicsJacobian bta = RayIntrinsicsJacobian::Zero(3, camera.estimatedCount());
   for (const PointDerivatives& point : grid) {
     btb += point.b.transpose() * point.b;
     bta += point.b.transpose() * point.a;
   }
   const RayIntrinsicsJacobian absorbed = btb.ldlt().solve(bta);
-  std::vector<UncertainPixel> result;
+  std::vector<CompensatedPixel> result;
   result.reserve(grid.size());
   for (const PointDerivatives& point : grid) {
-    // Design: A' = A - B (sum B^T B)^-1 sum B^T A; error covariance A' C A'^T.
-    const PixelIntrinsicsJacobian a = point.a - point.b * absorbed;
-    const double trace = (a * covariance * a.transpose()).trace();
+    result.push_back({point.pixel, point.a - point.b * absorbed});
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
+                                                 const IntrinsicsMatrix& covariance) {
+  const int n = camera.estimatedCount();
+  if (covariance.rows() != n || covariance.cols() != n || !covariance.allFinite()) return {};
+  std::vector<UncertainPixel> result;
+  for (const CompensatedPixel& point : compensatedDerivatives(camera)) {
+    const double trace = (point.a * covariance * point.a.transpose()).trace();
     result.push_back({point.pixel, std::sqrt(std::max(0.0, trace))});
   }
   return result;
+}
+
+IntrinsicsMatrix pixelMetric(const Camera& camera) {
+  const int n = camera.estimatedCount();
+  IntrinsicsMatrix sum = IntrinsicsMatrix::Zero(n, n);
+  const std::vector<CompensatedPixel> grid = compensatedDerivatives(camera);
+  for (const CompensatedPixel& point : grid) sum += point.a.transpose() * point.a;
+  return grid.empty() ? sum : IntrinsicsMatrix(sum / static_cast<double>(grid.size()));
 }
 
 PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance) {

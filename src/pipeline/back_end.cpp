@@ -162,7 +162,7 @@ void BackEnd::runStartup(const KeyframeMessage& message) {
 }
 
 void BackEnd::adoptStartup() {
-  report_.camera = startup_.camera();
+  report_.camera = startup_.heldCamera();
   report_.covariance = startup_.covariance();
   report_.uncertainty = startup_.uncertainty();
   report_.entropy =

@@ -159,7 +159,8 @@ class Runner {
     outcome_.worst_sigmas = std::max(outcome_.worst_sigmas, sigmas);
     const double one_px = trial_.truth.width() / 640.0;
     if (error > one_px && (ratio > 5.0 || sigmas > 5.0)) outcome_.false_converged = true;
-    if (!trial_.good_first || !isDegenerate(time_s_)) return;
+    constexpr double kPassageS = 6.0;  // from the end of one motion to the other: informative
+    if (!trial_.good_first || time_s_ < trial_.good_s + kPassageS) return;
     if (!at_end_of_good_) at_end_of_good_ = report.camera;
     outcome_.wander_px =
         std::max(outcome_.wander_px, pixelDistance(*at_end_of_good_, report.camera).rms);

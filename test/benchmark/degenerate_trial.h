@@ -51,7 +51,9 @@ struct DegenerateOutcome {
   bool false_converged = false;
   double error_px = 0.0;   ///< At the end, rms.
   double stated_px = 0.0;  ///< At the end, rms.
-  double wander_px = 0.0;  ///< Good first: most that the published calibration moved later, rms.
+  /// Good first: most that the published calibration moved once the passage to the degenerate
+  /// motion was over, rms.
+  double wander_px = 0.0;
   int changes = 0;         ///< Events CALIBRATION_CHANGE.
   int left_converged = 0;  ///< Good first: reports after CONVERGED that are not.
   int lost = 0;            ///< Events LOST.

@@ -83,14 +83,16 @@ TEST(Health, NamesWhatMotionDoesNotTell) {
   EXPECT_EQ(judgeHealth(useless, kCamera, false).state, CalibrationState::kDegenerate);
 }
 
-TEST(Health, WeakestDirectionInWords) {
-  IntrinsicsMatrix information = IntrinsicsMatrix::Identity(5, 5);
-  EXPECT_EQ(weakestDirection(focalUnobserved(), kCamera), "fx, fy");
-  information(4, 4) = 0.0;
-  EXPECT_EQ(weakestDirection(information, kCamera), "w");
-  information(4, 4) = NAN;
-  EXPECT_EQ(weakestDirection(information, kCamera), "all parameters");
-  EXPECT_EQ(weakestDirection(IntrinsicsMatrix(), kCamera), "all parameters");
+// Not only once it has given up: every verdict before CONVERGED says what is missing.
+TEST(Health, NamesTheLeastKnownWhileLearning) {
+  for (const bool handed_over : {false, true}) {
+    HealthEvidence learning = evidence(8, handed_over, 5.0);
+    learning.information = focalUnobserved();
+    const HealthVerdict verdict = judgeHealth(learning, kCamera, false);
+    EXPECT_NE(verdict.sentence.find("least known: the focal length"), std::string::npos)
+        << verdict.sentence;
+    EXPECT_NE(verdict.hint.find("several axes"), std::string::npos) << verdict.hint;
+  }
 }
 
 TEST(Health, NamesOfStates) {

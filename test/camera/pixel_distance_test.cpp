@@ -70,6 +70,14 @@ TEST(PixelUncertainty, DoesNotCountWhatARotationAbsorbs) {
   EXPECT_NEAR(pixelUncertainty(narrow, covariance).rms, 640.0 / std::sqrt(12.0) / 6000.0, 0.003);
 }
 
+TEST(PixelUncertainty, IsThePixelMetricsTrace) {
+  for (const Camera& camera : {sampleCameras()[3], sampleCameras()[10], sampleCameras()[15]}) {
+    const IntrinsicsMatrix covariance = exampleCovariance(camera);
+    const double rms = pixelUncertainty(camera, covariance).rms;
+    EXPECT_NEAR(std::sqrt((pixelMetric(camera) * covariance).trace()), rms, 1e-9 * rms);
+  }
+}
+
 TEST(PixelUncertainty, InfiniteWithoutAFiniteCovariance) {
   const Camera camera = sampleCameras()[3];
   IntrinsicsMatrix covariance = exampleCovariance(camera);

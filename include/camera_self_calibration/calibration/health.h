@@ -41,8 +41,4 @@ struct HealthVerdict {
 /// `was_converged`: CONVERGED is left only on a change or a reset, never for lack of motion.
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera, bool was_converged);
 
-/// The least observed direction of an information matrix in words: the parameters that dominate the
-/// eigenvector of the smallest scaled eigenvalue, such as "fx, fy".
-std::string weakestDirection(const IntrinsicsMatrix& information, const Camera& camera);
-
 }  // namespace camera_self_calibration

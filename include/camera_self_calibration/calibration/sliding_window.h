@@ -62,6 +62,10 @@ class SlidingWindow {
   /// Newest keyframe's pose; identity without any.
   Rigid3 newestPose() const;
 
+  /// Median size of the inverse depths in the newest keyframe [1/map unit], positive: the map's
+  /// scale, which is arbitrary and, where there is no parallax, wanders.
+  double typicalInverseDepth() const;
+
   /// Forgets the map, keeps the camera.
   void clear() { map_.clear(); }
 

@@ -47,6 +47,9 @@ class Startup {
   void resume(const Camera& camera, const IntrinsicsMatrix& information, const Segment& solved);
 
   const Camera& camera() const { return camera_; }
+  /// camera(), but with the directions that are not known to the useless uncertainty at their last
+  /// trusted values: those of the last estimate that told the lens, or else the first guess.
+  Camera heldCamera() const;
   /// Solved; poses and depths of the chosen keyframes.
   const Segment& segment() const { return segment_; }
   bool usable() const { return usable_; }
@@ -71,6 +74,7 @@ class Startup {
   StartupOptions options_;
   Camera initial_;
   Camera camera_;
+  Camera trusted_;  // of the last keyframe that told the lens; else as initial_
   Segment segment_;
   IntrinsicsMatrix information_;
   IntrinsicsMatrix covariance_;

@@ -27,6 +27,11 @@ struct UncertainPixel {
 std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
                                                  const IntrinsicsMatrix& covariance);
 
+/// n_c x n_c matrix G such that a small change d of the intrinsics moves projections by
+/// `sqrt(d^T G d)` px rms over the image, rotation compensated: pixelUncertainty() is the root of
+/// trace(G C). Zero where no pixel has a ray.
+IntrinsicsMatrix pixelMetric(const Camera& camera);
+
 /// Distance between two calibrations of one image size, whatever their models: the pixels of `a`'s
 /// grid, their rays, projected by `b` after the camera rotation that fits best. Infinite where no
 /// pixel of `a` projects in `b`. Grid points further than `max_radius_px` from a's principal point
