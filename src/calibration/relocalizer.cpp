@@ -18,9 +18,10 @@ constexpr int kPlaceEvery = 2;
 // A map that was searched for in vain is searched for less and less often.
 constexpr int kPatience = 10;
 constexpr int kMaxInterval = 10;
-// Of the places, those with most matches are looked at closely.
+// Of the places, those that look most alike are looked at closely.
 constexpr std::size_t kTried = 3;
-constexpr std::size_t kMinMatches = 15;
+constexpr std::size_t kScoutEvery = 4;
+constexpr std::size_t kMinScouts = 3;
 constexpr std::size_t kMaxSightings = 6;
 constexpr std::size_t kMinSightings = 3;
 constexpr std::size_t kMinDepths = 10;
@@ -108,19 +109,31 @@ void Relocalizer::look(const Map& map, const Camera& camera,
   sightings_.push_back({map.keyframes().back().id, std::move(*place)});
 }
 
-std::optional<RecognizedPlace> Relocalizer::recognizeAny(
-    const Camera& camera, const std::vector<Appearance>& appearances) const {
-  std::vector<std::pair<std::vector<SeenAgain>, const Place*>> candidates;
+// A few features tell which places are worth a comparison with all.
+std::vector<const Place*> Relocalizer::likelyPlaces(
+    const std::vector<Appearance>& appearances) const {
+  std::vector<Appearance> scouts;
+  for (std::size_t i = 0; i < appearances.size(); i += kScoutEvery) {
+    scouts.push_back(appearances[i]);
+  }
+  std::vector<std::pair<std::size_t, const Place*>> ranked;
   for (const Place& place : memory_.places()) {
     if (place.map_id >= map_id_) continue;
-    std::vector<SeenAgain> matches = matchPlace(place, appearances);
-    if (matches.size() >= kMinMatches) candidates.emplace_back(std::move(matches), &place);
+    const std::size_t matches = matchPlace(place, scouts).size();
+    if (matches >= kMinScouts) ranked.emplace_back(matches, &place);
   }
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const auto& a, const auto& b) { return a.first.size() > b.first.size(); });
-  candidates.resize(std::min(candidates.size(), kTried));
-  for (const auto& [matches, place] : candidates) {
-    auto recognized = recognize(*place, matches, camera);
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  ranked.resize(std::min(ranked.size(), kTried));
+  std::vector<const Place*> places;
+  for (const auto& [matches, place] : ranked) places.push_back(place);
+  return places;
+}
+
+std::optional<RecognizedPlace> Relocalizer::recognizeAny(
+    const Camera& camera, const std::vector<Appearance>& appearances) const {
+  for (const Place* place : likelyPlaces(appearances)) {
+    auto recognized = recognize(*place, matchPlace(*place, appearances), camera);
     if (recognized) return recognized;
   }
   return std::nullopt;

@@ -72,13 +72,16 @@ std::vector<std::pair<int, int>> matchAppearances(const std::vector<Descriptor>&
   if (a.empty() || b.size() < 2) return pairs;
   const cv::BFMatcher matcher(cv::NORM_HAMMING);
   std::vector<std::vector<cv::DMatch>> nearest;
-  std::vector<cv::DMatch> back;
   matcher.knnMatch(rows(a), rows(b), nearest, 2);
-  matcher.match(rows(b), rows(a), back);
+  std::vector<const cv::DMatch*> nearest_to_b(b.size(), nullptr);
   for (const std::vector<cv::DMatch>& two : nearest) {
     if (two.size() < 2 || two[0].distance > kMaxDistance) continue;
-    if (two[0].distance >= kClearlyNearer * two[1].distance) continue;
-    if (back[static_cast<std::size_t>(two[0].trainIdx)].trainIdx != two[0].queryIdx) continue;
+    const cv::DMatch*& rival = nearest_to_b[static_cast<std::size_t>(two[0].trainIdx)];
+    if (rival == nullptr || two[0].distance < rival->distance) rival = &two[0];
+  }
+  for (const std::vector<cv::DMatch>& two : nearest) {
+    if (two.size() < 2 || two[0].distance >= kClearlyNearer * two[1].distance) continue;
+    if (nearest_to_b[static_cast<std::size_t>(two[0].trainIdx)] != &two[0]) continue;
     pairs.emplace_back(two[0].queryIdx, two[0].trainIdx);
   }
   return pairs;

@@ -54,6 +54,7 @@ class Relocalizer {
   };
 
   void look(const Map& map, const Camera& camera, const std::vector<Appearance>& appearances);
+  std::vector<const Place*> likelyPlaces(const std::vector<Appearance>& appearances) const;
   std::optional<RecognizedPlace> recognizeAny(const Camera& camera,
                                               const std::vector<Appearance>& appearances) const;
   std::optional<Relocation> conclude(const Map& map, const Camera& camera) const;

@@ -30,8 +30,8 @@ using Describe = std::function<std::vector<Appearance>(const std::vector<Track>&
 /// has.
 std::vector<Appearance> describe(const ImageView& image, const std::vector<Track>& tracks);
 
-/// Pairs of indices into `a` and `b` that look alike: each the other's nearest, and clearly nearer
-/// than its second nearest.
+/// Pairs of indices into `a` and `b` that look alike: the one of `b` is clearly nearer than the
+/// second nearest, and no two of `a` have the same.
 std::vector<std::pair<int, int>> matchAppearances(const std::vector<Descriptor>& a,
                                                   const std::vector<Descriptor>& b);
 
