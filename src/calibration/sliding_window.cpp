@@ -14,7 +14,7 @@
 namespace camera_self_calibration {
 namespace {
 
-// Baseline over depth below which the conditioning poses do not fix the scale.
+// Baseline over depth below which poses do not fix the scale, nor the depths.
 constexpr double kSeparatedPoses = 1e-2;
 
 // Beyond so many scaled sigmas, and the option's pixels, a track does not belong to a rigid scene.
@@ -26,6 +26,12 @@ constexpr double kNegligiblePx = 0.02;
 
 // With so many points of estimated depth in view, points of guessed depth are not needed.
 constexpr std::size_t kEnoughKnownPoints = 15;
+
+double medianInverseDepth(const Segment& segment) {
+  std::vector<double> depths;
+  for (const Landmark& landmark : segment.landmarks) depths.push_back(landmark.inverse_depth);
+  return median(std::move(depths), 0.0);
+}
 
 // Landmarks that fixed keyframes alone see: they tell nothing of the others.
 std::vector<int> seenByFixedAlone(const Segment& segment, int fixed_keyframes) {
@@ -140,6 +146,7 @@ void SlidingWindow::solveUnconditioned() {
   const Rigid3 pose = newestPose();
   const double inverse_depth = newestInverseDepth(segment);
   Problem problem{&camera_, false, {freeBlock(&segment, camera_)}};
+  problem.blocks[0].depth_prior = depthPrior(segment);
   if (!solve(problem, windowSolver()).usable) return;
   keepNewestPoseAndDepth(pose, inverse_depth, &segment);
   takeGeneration(&segment);
@@ -240,6 +247,27 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
   return solveWindow();
 }
 
+// Where nothing tells the depths, such as while the camera turns on the spot, they and the scale
+// stay as they were when something told them last, and in front of the camera. The present ones
+// would not do: without true parallax, the noise of the translations lowers them with every
+// solution.
+DepthPrior SlidingWindow::depthPrior(const Segment& segment) const {
+  const double mean =
+      told_inverse_depth_ > 0.0 ? told_inverse_depth_ : std::abs(medianInverseDepth(segment));
+  return {mean, mean};
+}
+
+void SlidingWindow::rememberDepth(const Segment& segment, int fixed_keyframes) {
+  const double depth = medianInverseDepth(segment);
+  const Eigen::Vector3d newest = segment.keyframes.back().world_from_camera.translation;
+  double baseline = 0.0;
+  for (std::size_t k = fixed_keyframes; k < segment.keyframes.size(); ++k) {
+    const Eigen::Vector3d& position = segment.keyframes[k].world_from_camera.translation;
+    baseline = std::max(baseline, (position - newest).norm());
+  }
+  if (baseline * depth > kSeparatedPoses) told_inverse_depth_ = depth;
+}
+
 std::vector<std::int64_t> SlidingWindow::solveWindow() {
   std::vector<std::int64_t> outlier_ids;
   if (map_.keyframes().size() < 2) return outlier_ids;
@@ -254,8 +282,10 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
     if (baseline * newestInverseDepth(segment) > kSeparatedPoses) block.fixed_landmark = -1;
     block.fixed_keyframes = conditioning;
   }
+  block.depth_prior = depthPrior(segment);
   if (!solve({&camera_, false, {block}}, windowSolver()).usable) return outlier_ids;
   map_.update(segment);
+  rememberDepth(segment, conditioning);
   if (!trusted_) return outlier_ids;
   block.sigma_scale = std::max(1.0, medianResidualScale(block, camera_));
   const double min_px = options_.gross_residual_share * camera_.width();

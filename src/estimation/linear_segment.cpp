@@ -24,6 +24,18 @@ int tailColumns(int intrinsics_count) {
   return intrinsics_count <= 5 ? 6 : 10;
 }
 
+// Of the prior, which the robust loss does not concern.
+double depthCost(const Segment& segment, const DepthPrior& prior) {
+  const double weight = prior.weight();
+  if (weight == 0.0) return 0.0;
+  double sum = 0.0;
+  for (const Landmark& landmark : segment.landmarks) {
+    const double off = landmark.inverse_depth - prior.mean;
+    sum += off * off;
+  }
+  return 0.5 * weight * sum;
+}
+
 }  // namespace
 
 // An observation's whitened, weighted Jacobian and residual, transposed.
@@ -125,6 +137,20 @@ void LinearSegment::addObservations(const SegmentBlock& block, const Camera& cam
   }
   for (std::size_t p = 0; p < structure_.pairs.size(); ++p) {
     expandPair<kTail>(block.fixed_keyframes, p);
+  }
+  addDepthPrior(segment, block.depth_prior);
+}
+
+void LinearSegment::addDepthPrior(const Segment& segment, const DepthPrior& prior) {
+  const double weight = prior.weight();
+  if (weight == 0.0) return;
+  cost_ += depthCost(segment, prior);
+  for (std::size_t l = 0; l < structure_.landmarks.size(); ++l) {
+    const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
+    if (place.depth_fixed) continue;
+    landmark_hessian_[l](0, 0) += weight;
+    double* tail = couplings_.data() + coupling_begin_[l] + 6 * place.entries * place.dimension;
+    tail[tail_ - 1] += weight * (prior.mean - segment.landmarks[l].inverse_depth);
   }
 }
 
@@ -319,7 +345,7 @@ double LinearSegment::curvature(const Eigen::Ref<const Eigen::VectorXd>& own,
 double robustCost(const SegmentBlock& block, const Camera& camera, double huber,
                   Transfers* transfers) {
   const Segment& segment = *block.segment;
-  double cost = 0.0;
+  double cost = depthCost(segment, block.depth_prior);
   predictObservations(segment, camera, transfers, [&](std::size_t o, const Eigen::Vector2d* pixel) {
     const Observation& observation = segment.observations[o];
     const double sigma = observation.sigma * block.sigma_scale;

@@ -18,8 +18,8 @@ namespace {
 // Keyframes along a handheld motion, and the window that follows them.
 class SlidingWindowTest : public testing::Test {
  protected:
-  explicit SlidingWindowTest(double pixel_sigma = 0.2)
-      : tracks_(makeRoom(RoomOptions()), Lens{kTruth, std::nullopt, 1.0}, motion(),
+  explicit SlidingWindowTest(double pixel_sigma = 0.2, const Trajectory& trajectory = motion())
+      : tracks_(makeRoom(RoomOptions()), Lens{kTruth, std::nullopt, 1.0}, trajectory,
                 options(pixel_sigma)) {}
 
   static Trajectory motion() {
@@ -253,6 +253,47 @@ TEST_F(SlidingWindowTest, ReseedWithAnOldSolutionLeavesTheMapWhole) {
   window.reseed(old);
   for (int k = 0; k < 5; ++k) addKeyframe(&window);
   EXPECT_LT(worstPositionError(window), 0.05);
+}
+
+// Moves, turns on the spot four times, and moves on.
+Trajectory turningOnTheSpot() {
+  constexpr double kTurnS = 6.0, kMoveOnS = 66.0;
+  SyntheticMotionOptions options;
+  options.speed = 0.6;
+  const Trajectory moving = syntheticMotion(options);
+  return Trajectory(
+      [moving](double t) {
+        if (t < kTurnS) return moving.worldFromCamera(t);
+        if (t > kMoveOnS) return moving.worldFromCamera(t - kMoveOnS + kTurnS);
+        Rigid3 pose = moving.worldFromCamera(kTurnS);
+        const double angle = 8.0 * M_PI * (t - kTurnS) / (kMoveOnS - kTurnS);
+        pose.rotation = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()) * pose.rotation;
+        return pose;
+      },
+      75.0);
+}
+
+class TurningOnTheSpot : public SlidingWindowTest {
+ protected:
+  TurningOnTheSpot() : SlidingWindowTest(0.2, turningOnTheSpot()) {}
+};
+
+TEST_F(TurningOnTheSpot, KeepsScaleAndSign) {
+  SlidingWindow window(SlidingWindowOptions(), kTruth);
+  while (keyframes_ < 20) addKeyframe(&window);
+  const double before = scaleOf(window);
+  while (keyframes_ < 285) addKeyframe(&window);
+  EXPECT_NEAR(std::log(scaleOf(window) / before), 0.0, std::log(2.0));
+  int seen = 0;
+  int behind = 0;
+  for (const auto& [track_id, point] : window.map().points()) {
+    if (point.sightings.size() <= 3) continue;
+    ++seen;
+    behind += point.inverse_depth < 0.0;
+  }
+  EXPECT_GT(seen, 50);
+  EXPECT_LT(behind, 0.05 * seen);
+  EXPECT_LT(worstPositionError(window), 0.1);
 }
 
 TEST_F(SlidingWindowTest, EmptyMap) {

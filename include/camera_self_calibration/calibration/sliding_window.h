@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
+#include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/map/map.h"
 #include "camera_self_calibration/tracking/track.h"
 
@@ -67,10 +68,16 @@ class SlidingWindow {
   double typicalInverseDepth() const;
 
   /// Forgets the map, keeps the camera.
-  void clear() { map_.clear(); }
+  void clear() {
+    map_.clear();
+    told_inverse_depth_ = 0.0;
+  }
 
   /// Takes the map over into another world.
-  void move(const Similarity3& other_from_world) { map_.move(other_from_world); }
+  void move(const Similarity3& other_from_world) {
+    map_.move(other_from_world);
+    told_inverse_depth_ /= other_from_world.scale;
+  }
 
  private:
   bool negligiblyFarFrom(const Camera& camera) const;
@@ -81,6 +88,8 @@ class SlidingWindow {
   int conditioningCount() const;
   void keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth, Segment* segment) const;
   void takeGeneration(Segment* segment) const;
+  DepthPrior depthPrior(const Segment& segment) const;
+  void rememberDepth(const Segment& segment, int fixed_keyframes);
   std::vector<std::int64_t> solveWindow();
 
   SlidingWindowOptions options_;
@@ -89,6 +98,7 @@ class SlidingWindow {
   bool trusted_ = false;
   std::map<std::uint64_t, Camera> generations_;  // of the keyframes in the map
   Map map_;
+  double told_inverse_depth_ = 0.0;  // median when parallax told it last; 0: never
 };
 
 }  // namespace camera_self_calibration

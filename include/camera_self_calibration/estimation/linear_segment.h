@@ -104,6 +104,7 @@ class LinearSegment {
                    double* values) const;
   template <int kTail>
   void expandPair(int fixed_keyframes, std::size_t pair);
+  void addDepthPrior(const Segment& segment, const DepthPrior& prior);
   template <int kTail>
   void eliminateLandmarks(double damping);
   template <int kTail, int kDimension>
