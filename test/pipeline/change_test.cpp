@@ -41,7 +41,8 @@ TEST(Change, AZoomIsNoticedDatedAndLearntAnew) {
     EXPECT_NEAR(since(change.onset_stamp_ns), kChangeS, 0.3) << toString(before.model());
     EXPECT_LT(since(change.stamp_ns), kChangeS + 2.0) << toString(before.model());
     EXPECT_EQ(change.epoch, 1u);
-    EXPECT_NEAR(change.magnitude_px / pixelDistance(before, after).rms, 1.0, 0.1);
+    // From the three or four keyframes since then.
+    EXPECT_NEAR(change.magnitude_px / pixelDistance(before, after).rms, 1.0, 0.25);
     EXPECT_LT(change.p_value, 1e-5);  // the share of one keyframe of 0.1 alarms per hour
     const CalibrationReport report = run.report();
     EXPECT_EQ(report.epoch, 1u);
