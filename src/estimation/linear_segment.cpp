@@ -2,6 +2,8 @@
 
 #include "camera_self_calibration/estimation/linear_segment.h"
 
+#include <algorithm>
+
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/geometry/so3.h"
 
@@ -58,6 +60,11 @@ void LinearSegment::linearize(const SegmentBlock& block, const Camera& camera, i
   for_scores_ = for_scores;
   structure_.build(block);
   layOut();
+  relinearize(block, camera, huber);
+}
+
+void LinearSegment::relinearize(const SegmentBlock& block, const Camera& camera, double huber) {
+  clearSums();
   prepareFactors(*block.segment, camera);
   if (tail_ == 2) addObservations<2>(block, camera, huber);
   if (tail_ == 6) addObservations<6>(block, camera, huber);
@@ -78,9 +85,14 @@ void LinearSegment::layOut() {
     values += static_cast<std::size_t>(place.dimension) * columns;
     scores += columns;
   }
-  couplings_.assign(values, 0.0);
-  scores_.assign(for_scores_ ? scores : 0, 0.0);
-  landmark_hessian_.assign(landmarks, Eigen::Matrix3d::Zero());
+  couplings_.resize(values);
+  scores_.resize(for_scores_ ? scores : 0);
+}
+
+void LinearSegment::clearSums() {
+  std::fill(couplings_.begin(), couplings_.end(), 0.0);
+  std::fill(scores_.begin(), scores_.end(), 0.0);
+  landmark_hessian_.assign(structure_.landmarks.size(), Eigen::Matrix3d::Zero());
   const auto width = static_cast<std::size_t>(kLocal + tail_);
   pair_products_.assign(structure_.pairs.size() * width * width, 0.0);
   normal_.setZero(poseColumns() + tail_, poseColumns() + tail_);

@@ -87,7 +87,11 @@ class DogLeg {
 void DogLeg::linearize() {
   parallelFor(options_.threads, blocks_, [this](int i) {
     LinearSegment& linear = segments_[i].linear;
-    linear.linearize(problem_.blocks[i], *problem_.camera, count_, options_.huber);
+    if (gradient_.size() == 0) {
+      linear.linearize(problem_.blocks[i], *problem_.camera, count_, options_.huber);
+    } else {
+      linear.relinearize(problem_.blocks[i], *problem_.camera, options_.huber);
+    }
     linear.eliminate(damping_);
   });
   int begin = count_;

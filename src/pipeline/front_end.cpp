@@ -8,6 +8,8 @@ namespace {
 
 // Fewer tracks than this determine no pose worth having.
 constexpr int kMinTracks = 12;
+// Residual scale, in the tracker's sigmas, of a pose that needs no second guess to start from.
+constexpr double kGoodFit = 2.0;
 // Frames in a row without a pose after which the map is given up.
 constexpr int kFramesUntilLost = 5;
 
@@ -114,9 +116,11 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& frame,
 
 void FrontEnd::locate(const TrackedFrame& frame, FrontEndOutput* output) {
   if (window_.map().keyframes().empty()) return;
-  const PoseEstimate still = window_.localize(frame, world_from_camera_);
   PoseEstimate pose = window_.localize(frame, world_from_camera_ * last_motion_);
-  if (!pose.usable || (still.usable && still.residual_scale < pose.residual_scale)) pose = still;
+  if (!pose.usable || pose.residual_scale > kGoodFit) {
+    const PoseEstimate still = window_.localize(frame, world_from_camera_);
+    if (!pose.usable || (still.usable && still.residual_scale < pose.residual_scale)) pose = still;
+  }
   const bool located = pose.usable && pose.inliers >= kMinTracks;
   if (located) {
     last_motion_ = world_from_camera_.inverse() * pose.world_from_camera;

@@ -29,33 +29,30 @@ void LocalMotion::weighOutliers() {
 
 LocalMotion::Motion LocalMotion::at(const Eigen::Vector2d& pixel) const {
   if (pairs_.size() < kMinPairs) return {pixel, Eigen::Matrix2d::Identity()};
-  const auto weigh = [&](const Pair& pair) {
-    const double distance2 = (pair.from - pixel).squaredNorm() / (reach_ * reach_);
-    return pair.weight * (kFarWeight + 1.0 / (1.0 + distance2 * distance2));
-  };
-  double sum = 0.0;
+  // Least squares for to - mean = [a -b; b a] (from - mean), by moments about the pixel.
+  double sum = 0.0, squares = 0.0, dots = 0.0, crosses = 0.0;
   Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();
+  const double nearness = 1.0 / (reach_ * reach_);
   for (const Pair& pair : pairs_) {
-    const double w = weigh(pair);
+    const Eigen::Vector2d p = pair.from - pixel, q = pair.to - pixel;
+    const double distance2 = p.squaredNorm() * nearness;
+    const double w = pair.weight * (kFarWeight + 1.0 / (1.0 + distance2 * distance2));
     sum += w;
-    from += w * pair.from;
-    to += w * pair.to;
+    from += w * p;
+    to += w * q;
+    squares += w * p.squaredNorm();
+    dots += w * p.dot(q);
+    crosses += w * (p.x() * q.y() - p.y() * q.x());
   }
   from /= sum;
   to /= sum;
-  // Least squares for to - mean = [a -b; b a] (from - mean).
-  double spread = 1e-9, a = 0.0, b = 0.0;
-  for (const Pair& pair : pairs_) {
-    const double w = weigh(pair);
-    const Eigen::Vector2d p = pair.from - from, q = pair.to - to;
-    spread += w * p.squaredNorm();
-    a += w * p.dot(q);
-    b += w * (p.x() * q.y() - p.y() * q.x());
-  }
+  const double spread = 1e-9 + squares - sum * from.squaredNorm();
+  const double a = dots - sum * from.dot(to);
+  const double b = crosses - sum * (from.x() * to.y() - from.y() * to.x());
   Motion motion;
   motion.linear << a, -b, b, a;
   motion.linear /= spread;
-  motion.pixel = to + motion.linear * (pixel - from);
+  motion.pixel = pixel + to - motion.linear * from;
   return motion;
 }
 

@@ -8,13 +8,16 @@ namespace {
 
 using Weights = Eigen::Array4f;
 
-// Cubic B-spline: weights of the four samples around a point, t beyond the second of them.
-Weights splineWeights(float t) {
-  static const Weights c0(1.0f / 6.0f, 4.0f / 6.0f, 1.0f / 6.0f, 0.0f);
-  static const Weights c1(-0.5f, 0.0f, 0.5f, 0.0f);
-  static const Weights c2(0.5f, -1.0f, 0.5f, 0.0f);
-  static const Weights c3(-1.0f / 6.0f, 0.5f, -0.5f, 1.0f / 6.0f);
-  return ((c3 * t + c2) * t + c1) * t + c0;
+// Cubic B-spline: its four pieces, by powers of t.
+alignas(16) constexpr float kSpline[4][4] = {{1.0f / 6.0f, 4.0f / 6.0f, 1.0f / 6.0f, 0.0f},
+                                             {-0.5f, 0.0f, 0.5f, 0.0f},
+                                             {0.5f, -1.0f, 0.5f, 0.0f},
+                                             {-1.0f / 6.0f, 0.5f, -0.5f, 1.0f / 6.0f}};
+
+// Weights of the four samples around a point, t beyond the second of them.
+inline Weights splineWeights(float t) {
+  using Map = Eigen::Map<const Weights, Eigen::Aligned16>;
+  return ((Map(kSpline[3]) * t + Map(kSpline[2])) * t + Map(kSpline[1])) * t + Map(kSpline[0]);
 }
 
 // Half of a symmetric kernel, centre first: [b 1-2b b] three times, of the variance wanted. It

@@ -25,6 +25,9 @@ class LinearSegment {
   /// norm above which it counts linearly. `for_scores`: trackScores() is going to be asked for.
   void linearize(const SegmentBlock& block, const Camera& camera, int intrinsics_count,
                  double huber, bool for_scores = false);
+  /// The same at another state of the same block, whose keyframes, landmarks and observations are
+  /// still those of the last `linearize`.
+  void relinearize(const SegmentBlock& block, const Camera& camera, double huber);
 
   double cost() const { return cost_; }
   int poseColumns() const { return 6 * structure_.free_poses; }
@@ -88,6 +91,7 @@ class LinearSegment {
   struct Row;
 
   void layOut();
+  void clearSums();
   void prepareFactors(const Segment& segment, const Camera& camera);
   template <int kTail>
   void addObservations(const SegmentBlock& block, const Camera& camera, double huber);
