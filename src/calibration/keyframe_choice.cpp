@@ -58,7 +58,8 @@ void Assembly::add(const Segment& part, const std::vector<int>& index, bool solv
   for (const Observation& observation : part.observations) {
     const int k = index[observation.keyframe];
     if (k < 0) continue;
-    tracks_[part.landmarks[observation.landmark].track_id].sightings.emplace(k, observation);
+    // The newer part knows better how the feature moved.
+    tracks_[part.landmarks[observation.landmark].track_id].sightings[k] = observation;
   }
 }
 

@@ -118,4 +118,21 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
   return solution;
 }
 
+RowTimeEstimate QueueEstimate::rowTime(const QueueSolution& solution, double step_s) const {
+  std::vector<Segment> segments;
+  for (const Candidate& candidate : candidates_) segments.push_back(candidate.segment);
+  std::vector<SegmentBlock> blocks;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    blocks.push_back(freeBlock(&segments[i], solution.camera));
+    blocks.back().sigma_scale = candidates_[i].sigma_scale * solution.inflation;
+  }
+  return estimateRowTime(blocks, solution.camera, IntrinsicsPrior(), step_s, threads_);
+}
+
+void QueueSolution::addUncertaintyOf(const RowTimeEstimate& row_time) {
+  if (!row_time.usable || row_time.slope.size() != covariance.rows()) return;
+  const Intrinsics deviation = row_time.sigma_s * row_time.slope;
+  covariance += deviation * deviation.transpose();
+}
+
 }  // namespace camera_self_calibration

@@ -10,6 +10,7 @@
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/tracking/image_motion.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -190,8 +191,11 @@ std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Tr
   if (anchor == nullptr || sighting == nullptr) return std::nullopt;
   const auto ray = map_.cameraOf(*anchor, camera_).unproject(sighting->pixel);
   if (!ray) return std::nullopt;
+  const double middle_row = 0.5 * (camera_.height() - 1);
   return PointView{anchor->world_from_camera.rotation * *ray, anchor->world_from_camera.translation,
-                   point.inverse_depth, track.pixel, track.sigma};
+                   point.inverse_depth,
+                   asSeenAtOnce(track.pixel, track.motion, middle_row, map_.rowTimeS()),
+                   track.sigma};
 }
 
 PoseEstimate SlidingWindow::localize(const TrackedFrame& frame, const Rigid3& guess) const {
@@ -206,6 +210,22 @@ PoseEstimate SlidingWindow::localize(const TrackedFrame& frame, const Rigid3& gu
     if (found->second.sightings.size() > 1) known.push_back(*view);
   }
   return solvePose(camera_, known.size() >= kEnoughKnownPoints ? known : all, guess);
+}
+
+// Among the newest; null if there is none.
+const Keyframe* SlidingWindow::keyframeAt(std::int64_t stamp_ns) const {
+  const auto& keyframes = map_.keyframes();
+  for (auto keyframe = keyframes.rbegin(); keyframe != keyframes.rend(); ++keyframe) {
+    if (keyframe->stamp_ns == stamp_ns) return &*keyframe;
+    if (keyframe->stamp_ns < stamp_ns) break;
+  }
+  return nullptr;
+}
+
+void SlidingWindow::setMotions(std::int64_t stamp_ns,
+                               const std::map<std::int64_t, ImageMotion>& motions) {
+  const Keyframe* keyframe = keyframeAt(stamp_ns);
+  if (keyframe != nullptr) map_.setMotions(keyframe->id, motions, camera_.height());
 }
 
 int SlidingWindow::conditioningCount() const {

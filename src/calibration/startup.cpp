@@ -5,11 +5,13 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/calibration/weak_directions.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -203,6 +205,7 @@ void Startup::judge() {
     const auto found = solved.find(landmark.track_id);
     if (found != solved.end()) landmark = *found->second;
   }
+  gated_ = std::move(gated);
 }
 
 void Startup::setInformation(const Marginal& marginal) {
@@ -210,6 +213,17 @@ void Startup::setInformation(const Marginal& marginal) {
   information_ = marginal.information / (scale * scale);
   covariance_ = covarianceFromInformation(information_).value_or(IntrinsicsMatrix());
   uncertainty_ = covariance_.size() > 0 ? pixelUncertainty(camera_, covariance_) : kUnknown;
+}
+
+void Startup::setRowTime(double row_time_s) {
+  camera_self_calibration::setRowTime(row_time_s, camera_.height(), &segment_);
+  if (usable_) judge();
+}
+
+RowTimeEstimate Startup::rowTime(double step_s) const {
+  if (!tellsLens()) return RowTimeEstimate();
+  Segment segment = gated_;
+  return estimateRowTime({freeBlock(&segment, camera_)}, camera_, options_.growth.prior, step_s, 1);
 }
 
 void Startup::considerK3(const Segment& gated) {

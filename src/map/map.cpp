@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
 
@@ -24,6 +25,7 @@ double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector
 void Map::addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks,
                       double new_inverse_depth, const Camera& camera) {
   keyframes_.push_back(keyframe);
+  keyframes_.back().row_time_s = row_time_s_;
   for (const Track& track : tracks) {
     const auto [entry, is_new] = points_.try_emplace(track.id);
     Point& point = entry->second;
@@ -35,6 +37,9 @@ void Map::addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks
       point.inverse_depth = new_inverse_depth;
     }
     point.sightings.push_back({keyframe.id, track.pixel, track.sigma});
+    Sighting& sighting = point.sightings.back();
+    sighting.shift.motion = track.motion;
+    placePixel(row_time_s_, camera.height(), &sighting.pixel, &sighting.shift);
   }
   while (static_cast<int>(keyframes_.size()) > max_keyframes_) removeOldest(camera);
 }
@@ -67,6 +72,29 @@ void Map::changeLens(std::int64_t onset_ns, const Camera& earlier, const Camera&
   }
   earlier_camera_ = std::make_shared<const Camera>(earlier);
   change_ns_ = onset_ns;
+}
+
+void Map::setRowTime(double row_time_s, int image_height) {
+  row_time_s_ = row_time_s;
+  for (Keyframe& keyframe : keyframes_) keyframe.row_time_s = row_time_s;
+  for (auto& [track_id, point] : points_) {
+    for (Sighting& sighting : point.sightings) {
+      placePixel(row_time_s, image_height, &sighting.pixel, &sighting.shift);
+    }
+  }
+}
+
+void Map::setMotions(std::int64_t keyframe_id, const std::map<std::int64_t, ImageMotion>& motions,
+                     int image_height) {
+  for (const auto& [track_id, motion] : motions) {
+    const auto found = points_.find(track_id);
+    if (found == points_.end()) continue;
+    for (Sighting& sighting : found->second.sightings) {
+      if (sighting.keyframe_id != keyframe_id) continue;
+      sighting.shift.motion = motion;
+      placePixel(row_time_s_, image_height, &sighting.pixel, &sighting.shift);
+    }
+  }
 }
 
 int Map::keyframesSince(std::int64_t stamp_ns) const {
@@ -124,7 +152,8 @@ Segment Map::segmentFrom(int first, const Camera& camera) const {
       segment.landmarks.push_back(*landmark);
       segment.landmarks.back().reference = index[begin->keyframe_id];
       for (auto s = begin + (landmark->anchored ? 1 : 0); s != point.sightings.end(); ++s) {
-        segment.observations.push_back({landmark_index, index[s->keyframe_id], s->pixel, s->sigma});
+        segment.observations.push_back(
+            {landmark_index, index[s->keyframe_id], s->pixel, s->sigma, s->shift});
       }
     }
   }
@@ -142,7 +171,8 @@ std::optional<Landmark> Map::landmarkFrom(std::int64_t track_id, const Point& po
   Landmark landmark;
   landmark.track_id = track_id;
   landmark.anchored = exact_references_ && first.keyframe_id == point.reference_id;
-  landmark.reference_pixel = point.reference_pixel;
+  landmark.reference_pixel = landmark.anchored ? first.pixel : point.reference_pixel;
+  if (landmark.anchored) landmark.reference_shift = first.shift;
   landmark.bearing = *first_ray;
   landmark.inverse_depth =
       transferInverseDepth(anchor->world_from_camera, *anchor_ray, point.inverse_depth,
@@ -153,7 +183,9 @@ std::optional<Landmark> Map::landmarkFrom(std::int64_t track_id, const Point& po
 void Map::update(const Segment& segment) {
   for (const Keyframe& solved : segment.keyframes) {
     for (Keyframe& keyframe : keyframes_) {
-      if (keyframe.id == solved.id) keyframe = solved;
+      if (keyframe.id != solved.id) continue;
+      keyframe = solved;
+      keyframe.row_time_s = row_time_s_;
     }
   }
   std::map<std::int64_t, const Rigid3*> solved_poses;  // by keyframe id

@@ -6,6 +6,7 @@
 
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -38,13 +39,15 @@ BackEnd::BackEnd(const Options& options, const Camera& camera)
       startup_(startupOptions(options), camera),
       queue_(options.queue_segments, options.alpha, options.score),
       estimate_(options.solver_threads),
-      detector_(options.false_alarms_per_hour) {
+      detector_(options.false_alarms_per_hour),
+      row_time_(options.readout_s / rowSteps(camera.height()), rowSteps(camera.height())) {
   report_.camera = camera;
   report_.uncertainty = {kInfinity, kInfinity};
   report_.entropy = kInfinity;
 }
 
-BackEndOutput BackEnd::process(const KeyframeMessage& message) {
+BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
+  const KeyframeMessage message = freed(seen);
   BackEndOutput output;
   report_.stamp_ns = message.candidate.endNs();
   report_.keyframes = message.keyframes;
@@ -61,6 +64,7 @@ BackEndOutput BackEnd::process(const KeyframeMessage& message) {
     report_.queue.last_decision = "not considered: all keyframes together tell nothing yet";
   }
   if (!handed_over_) recallSetting(&output.events);
+  considerRowTime();
   if (!handed_over_) considerHandover(report_.stamp_ns, &output.events);
   judge(report_.stamp_ns, &output.events);
   return finish(std::move(output));
@@ -68,6 +72,7 @@ BackEndOutput BackEnd::process(const KeyframeMessage& message) {
 
 BackEndOutput BackEnd::finish(BackEndOutput output) {
   fillQueueReport();
+  reportShutter();
   if (changed_) {
     ++report_.revision;
     output.update.emplace();
@@ -75,6 +80,7 @@ BackEndOutput BackEnd::finish(BackEndOutput output) {
     output.update->generation = report_.revision;
     output.update->handed_over = handed_over_;
     output.update->epoch = report_.epoch;
+    output.update->row_time_s = row_time_.inUse();
     output.update->onset_ns = epoch_onset_ns_;
     if (!handed_over_) output.update->solution = startup_.segment();
   }
@@ -110,7 +116,10 @@ bool BackEnd::restore(const LearntState& state) {
   restored.report_.keyframes = state.keyframes;
   restored.report_.revision = state.revision;
   restored.report_.epoch = state.epoch;
-  for (const Candidate& candidate : state.segments) restored.offer(candidate);
+  restored.restoreShutter(state);
+  for (const Candidate& candidate : state.segments) {
+    restored.offer(withRowTime(candidate, restored.row_time_.inUse(), state.camera));
+  }
   restored.handed_over_ = restored.report_.handed_over = true;
   restored.solveQueue();
   if (!restored.solution_.usable) return false;
@@ -123,7 +132,7 @@ BackEndOutput BackEnd::merge(const std::vector<Candidate>& candidates) {
   bool accepted = false;
   for (const Candidate& candidate : candidates) {
     if (candidate.information.rows() != report_.camera.estimatedCount()) continue;
-    if (offer(candidate)) accepted = true;
+    if (offer(withRowTime(candidate, row_time_.inUse(), report_.camera))) accepted = true;
   }
   if (accepted) solveQueue();
   changed_ = true;
@@ -139,6 +148,8 @@ std::shared_ptr<const LearntState> BackEnd::state() const {
   state->keyframes = report_.keyframes;
   state->revision = report_.revision;
   state->epoch = report_.epoch;
+  state->row_time_s = row_time_.inUse();
+  if (row_time_.estimate().usable) state->row_time_sigma_s = row_time_.estimate().sigma_s;
   state->segments = estimate_.candidates();
   return state;
 }
@@ -221,6 +232,7 @@ bool BackEnd::offer(const Candidate& candidate) {
   ++report_.queue.swaps;
   estimate_.remove(decision.replaced);
   estimate_.add(candidate);
+  queue_asks_row_time_ = true;
   return true;
 }
 
@@ -229,6 +241,7 @@ void BackEnd::solveQueue() {
   const bool known = solution_.usable && solution_.camera.model() == report_.camera.model() &&
                      solution_.camera.estimatedCount() == report_.camera.estimatedCount();
   solution_ = estimate_.solve(handed_over_ || !known ? report_.camera : solution_.camera);
+  if (row_time_.inUse() != 0.0) solution_.addUncertaintyOf(row_time_.estimate());
   if (handed_over_ && solution_.usable) adoptSolution();
 }
 

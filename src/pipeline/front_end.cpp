@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "camera_self_calibration/map/rolling_shutter.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -35,8 +37,10 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t fi
       keyframe_rule_(options.keyframe),
       relocalizer_(options.relocalization_keyframes),
       keyframes_(first_keyframe) {
+  window_.setRowTime(options_.readout_s / rowSteps(camera.height()));
   if (options_.fix_intrinsics) {
     CalibrationUpdate held;
+    held.row_time_s = window_.map().rowTimeS();
     held.camera = camera;
     held.handed_over = true;
     adopt(held);
@@ -51,6 +55,7 @@ void FrontEnd::adopt(const CalibrationUpdate& update) {
     window_.changeLens(update.onset_ns);
     monitor_.reset();
   }
+  if (update.row_time_s != window_.map().rowTimeS()) window_.setRowTime(update.row_time_s);
   if (update.solution) {
     window_.adopt(update.camera, update.generation, update.handed_over, *update.solution);
   } else {
@@ -63,6 +68,7 @@ void FrontEnd::resetMap() {
   window_.clear();
   monitor_.reset();
   keyframe_rule_.reset();
+  motions_.clear();
   map_id_ = next_map_id_++;
   state_ = TrackingState::kInitializing;
   map_tracked_ = false;
@@ -72,6 +78,7 @@ void FrontEnd::resetMap() {
 
 void FrontEnd::restart(const Camera& camera, std::int64_t first_keyframe) {
   window_ = SlidingWindow(windowOptions(options_), camera);
+  window_.setRowTime(options_.readout_s / rowSteps(camera.height()));
   resetMap();
   relocalizer_.clear();
   handed_over_ = false;
@@ -88,9 +95,25 @@ void FrontEnd::scaleMap(double factor) {
   map_id_ = next_map_id_++;
 }
 
-FrontEndOutput FrontEnd::process(const TrackedFrame& frame,
+// How the features move, for this image, and better now for the images before it.
+TrackedFrame FrontEnd::withMotion(const TrackedFrame& frame) {
+  TrackedFrame moving = frame;
+  if (!options_.estimate_readout && options_.readout_s == 0.0) return moving;
+  motions_.add(frame);
+  for (int ago = 1; ago < motions_.size(); ++ago) {
+    if (window_.hasKeyframe(motions_.stampNs(ago))) {
+      window_.setMotions(motions_.stampNs(ago), motions_.motions(ago));
+    }
+  }
+  const std::map<std::int64_t, ImageMotion> now = motions_.motions(0);
+  for (Track& track : moving.tracks) track.motion = now.at(track.id);
+  return moving;
+}
+
+FrontEndOutput FrontEnd::process(const TrackedFrame& seen,
                                  const std::function<std::vector<Track>()>& detect,
                                  const Describe& describe) {
+  const TrackedFrame frame = withMotion(seen);
   FrontEndOutput output;
   output.result.stamp_ns = frame.stamp_ns;
   locate(frame, &output);
@@ -210,6 +233,7 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
                             const Describe& describe, FrontEndOutput* output) {
   TrackedFrame whole = frame;
   whole.tracks.insert(whole.tracks.end(), detected.begin(), detected.end());
+  if (motions_.size() > 0) motions_.addDetected(detected);
   if (static_cast<int>(whole.tracks.size()) < kMinTracks) return;
 
   Keyframe keyframe;

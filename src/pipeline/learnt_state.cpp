@@ -8,7 +8,8 @@ namespace camera_self_calibration {
 namespace {
 
 const std::string kMagic = "camera_self_calibration state\n";
-constexpr std::uint64_t kVersion = 1;
+constexpr std::uint64_t kVersion = 2;
+constexpr std::uint64_t kWithoutShutter = 1;  // the version before, still read
 constexpr std::size_t kChecksumBytes = 8;
 constexpr int kModels = 4;
 constexpr int kStates = 5;
@@ -40,11 +41,18 @@ void write(const Keyframe& keyframe, ByteWriter* out) {
   out->integer(keyframe.calibration_generation);
 }
 
+void write(const RowShift& shift, ByteWriter* out) {
+  for (const Eigen::Vector2d& v : {shift.shift, shift.motion.velocity, shift.motion.acceleration}) {
+    for (int i = 0; i < 2; ++i) out->real(v(i));
+  }
+}
+
 void write(const Landmark& landmark, ByteWriter* out) {
   out->integer(static_cast<std::uint64_t>(landmark.track_id));
   out->integer(static_cast<std::uint64_t>(landmark.reference));
   out->integer(landmark.anchored ? 1 : 0);
   for (int i = 0; i < 2; ++i) out->real(landmark.reference_pixel(i));
+  write(landmark.reference_shift, out);
   for (int i = 0; i < 3; ++i) out->real(landmark.bearing(i));
   out->real(landmark.inverse_depth);
 }
@@ -54,6 +62,7 @@ void write(const Observation& observation, ByteWriter* out) {
   out->integer(static_cast<std::uint64_t>(observation.keyframe));
   for (int i = 0; i < 2; ++i) out->real(observation.pixel(i));
   out->real(observation.sigma);
+  write(observation.shift, out);
 }
 
 void write(const Candidate& candidate, ByteWriter* out);
@@ -81,6 +90,11 @@ void write(const Candidate& candidate, ByteWriter* out) {
   }
 }
 
+struct StateReader : ByteReader {
+  using ByteReader::ByteReader;
+  std::uint64_t version = kVersion;
+};
+
 Camera readCamera(ByteReader* in) {
   const std::uint64_t model = in->integer();
   const auto width = static_cast<int>(in->integer());
@@ -97,7 +111,7 @@ Camera readCamera(ByteReader* in) {
   return camera;
 }
 
-void read(ByteReader* in, Keyframe* keyframe) {
+void read(StateReader* in, Keyframe* keyframe) {
   keyframe->id = static_cast<std::int64_t>(in->integer());
   keyframe->stamp_ns = static_cast<std::int64_t>(in->integer());
   for (int i = 0; i < 4; ++i) keyframe->world_from_camera.rotation.coeffs()(i) = in->real();
@@ -107,34 +121,43 @@ void read(ByteReader* in, Keyframe* keyframe) {
   keyframe->calibration_generation = in->integer();
 }
 
-void read(ByteReader* in, Landmark* landmark) {
+void read(StateReader* in, RowShift* shift) {
+  if (in->version == kWithoutShutter) return;
+  for (Eigen::Vector2d* v : {&shift->shift, &shift->motion.velocity, &shift->motion.acceleration}) {
+    for (int i = 0; i < 2; ++i) (*v)(i) = in->real();
+  }
+}
+
+void read(StateReader* in, Landmark* landmark) {
   landmark->track_id = static_cast<std::int64_t>(in->integer());
   landmark->reference = static_cast<int>(in->integer());
   landmark->anchored = in->integer() != 0;
   for (int i = 0; i < 2; ++i) landmark->reference_pixel(i) = in->real();
+  read(in, &landmark->reference_shift);
   for (int i = 0; i < 3; ++i) landmark->bearing(i) = in->real();
   landmark->inverse_depth = in->real();
 }
 
-void read(ByteReader* in, Observation* observation) {
+void read(StateReader* in, Observation* observation) {
   observation->landmark = static_cast<int>(in->integer());
   observation->keyframe = static_cast<int>(in->integer());
   for (int i = 0; i < 2; ++i) observation->pixel(i) = in->real();
   observation->sigma = in->real();
+  read(in, &observation->shift);
 }
 
-void read(ByteReader* in, Candidate* candidate);
+void read(StateReader* in, Candidate* candidate);
 
 // Each item has at least five numbers of eight bytes.
 constexpr std::size_t kLeastItemBytes = 40;
 
 template <typename Item>
-void readList(ByteReader* in, std::vector<Item>* items) {
+void readList(StateReader* in, std::vector<Item>* items) {
   items->resize(in->count(kLeastItemBytes));
   for (Item& item : *items) read(in, &item);
 }
 
-void read(ByteReader* in, Candidate* candidate) {
+void read(StateReader* in, Candidate* candidate) {
   candidate->segment.sequence = static_cast<std::int64_t>(in->integer());
   readList(in, &candidate->segment.keyframes);
   readList(in, &candidate->segment.landmarks);
@@ -157,6 +180,11 @@ bool within(int index, std::size_t size) {
   return index >= 0 && static_cast<std::size_t>(index) < size;
 }
 
+bool isFinite(const RowShift& shift) {
+  return shift.shift.allFinite() && shift.motion.velocity.allFinite() &&
+         shift.motion.acceleration.allFinite();
+}
+
 bool isSound(const Segment& segment) {
   for (const Keyframe& keyframe : segment.keyframes) {
     const Rigid3& pose = keyframe.world_from_camera;
@@ -166,13 +194,14 @@ bool isSound(const Segment& segment) {
   }
   for (const Landmark& landmark : segment.landmarks) {
     if (!within(landmark.reference, segment.keyframes.size()) ||
-        !landmark.reference_pixel.allFinite() || !std::isfinite(landmark.inverse_depth) ||
+        !landmark.reference_pixel.allFinite() || !isFinite(landmark.reference_shift) ||
+        !std::isfinite(landmark.inverse_depth) ||
         !(std::abs(landmark.bearing.norm() - 1.0) < 1e-6)) {
       return false;
     }
   }
   for (const Observation& observation : segment.observations) {
-    if (!within(observation.landmark, segment.landmarks.size()) ||
+    if (!isFinite(observation.shift) || !within(observation.landmark, segment.landmarks.size()) ||
         !within(observation.keyframe, segment.keyframes.size()) || !observation.pixel.allFinite() ||
         !(observation.sigma > 0.0)) {
       return false;
@@ -198,6 +227,9 @@ std::vector<std::string> LearntState::problems() const {
     list.push_back("its camera is not valid");
     return list;
   }
+  if (!(std::abs(row_time_s) < 1.0) || !(row_time_sigma_s >= 0.0)) {
+    list.push_back("its time between image rows is not sound");
+  }
   if (segments.empty()) list.push_back("it holds no segment of video");
   for (const Candidate& candidate : segments) {
     if (isSound(candidate, camera)) continue;
@@ -215,6 +247,8 @@ std::string encode(const LearntState& state) {
   out.integer(static_cast<std::uint64_t>(state.keyframes));
   out.integer(state.revision);
   out.integer(state.epoch);
+  out.real(state.row_time_s);
+  out.real(state.row_time_sigma_s);
   writeList(state.segments, &out);
   const std::string text = kMagic + out.bytes();
   ByteWriter sum;
@@ -228,10 +262,10 @@ DecodedState decodeState(const std::string& bytes) {
   }
   if (bytes.size() < kMagic.size() + kChecksumBytes + 8) return {nullptr, "it is cut off"};
   const std::size_t body = bytes.size() - kChecksumBytes;
-  ByteReader in(bytes.data() + kMagic.size(), body - kMagic.size());
-  const std::uint64_t version = in.integer();
-  if (version != kVersion) {
-    return {nullptr, "it has the format " + std::to_string(version) + ", this program reads " +
+  StateReader in(bytes.data() + kMagic.size(), body - kMagic.size());
+  in.version = in.integer();
+  if (in.version != kVersion && in.version != kWithoutShutter) {
+    return {nullptr, "it has the format " + std::to_string(in.version) + ", this program reads " +
                          std::to_string(kVersion)};
   }
   ByteReader sum(bytes.data() + body, kChecksumBytes);
@@ -245,6 +279,10 @@ DecodedState decodeState(const std::string& bytes) {
   state->keyframes = static_cast<std::int64_t>(in.integer());
   state->revision = in.integer();
   state->epoch = in.integer();
+  if (in.version != kWithoutShutter) {
+    state->row_time_s = in.real();
+    state->row_time_sigma_s = in.real();
+  }
   readList(&in, &state->segments);
   if (!in.atEnd() || calibration_state >= kStates) return {nullptr, "its contents do not add up"};
   state->state = static_cast<CalibrationState>(calibration_state);

@@ -93,6 +93,7 @@ void BackEnd::recallSetting(std::vector<Event>* events) {
   estimate_ = setting->estimate;
   solution_ = setting->solution;
   handed_over_ = report_.handed_over = true;
+  adoptRowTime();  // it may have been learnt since then
   adoptSolution();
   events->push_back({EventType::kHandover, report_.stamp_ns, report_.stamp_ns,
                      "the lens is back at a setting known from epoch " +

@@ -1,12 +1,32 @@
 #include "camera_self_calibration/pipeline/options.h"
 
 #include <cmath>
+#include <cstdlib>
 
 namespace camera_self_calibration {
+namespace {
+
+constexpr double kLongestReadout = 0.1;  // [s]
+
+}  // namespace
 
 double Options::convergedRms(int width) const {
   constexpr double kPixelsPerWidth = 1.0 / 640.0;
   return converged_pixel_rms > 0.0 ? converged_pixel_rms : kPixelsPerWidth * width;
+}
+
+bool setRollingShutter(const std::string& text, Options* options) {
+  double readout_s = 0.0;
+  const bool estimated = text == "auto";
+  if (!estimated && text != "off") {
+    const char* begin = text.c_str();
+    char* end = nullptr;
+    readout_s = std::strtod(begin, &end);
+    if (end == begin || *end != '\0') return false;
+  }
+  options->estimate_readout = estimated;
+  options->readout_s = readout_s;
+  return true;
 }
 
 std::vector<std::string> Options::problems() const {
@@ -34,6 +54,10 @@ std::vector<std::string> Options::problems() const {
   if (!(false_alarms_per_hour >= 0.0 && false_alarms_per_hour <= 60.0)) {
     list.push_back("false_alarms_per_hour is " + std::to_string(false_alarms_per_hour) +
                    ", it must lie between 0 (the lens is never said to have changed) and 60");
+  }
+  if (!(std::abs(readout_s) <= kLongestReadout)) {
+    list.push_back("readout_s is " + std::to_string(readout_s) +
+                   ", it must lie between -0.1 and 0.1 seconds for the whole image");
   }
   if (std::isnan(handover_entropy)) {
     list.push_back("handover_entropy is not a number; -infinity turns it off");

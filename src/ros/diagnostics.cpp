@@ -128,6 +128,7 @@ void Diagnostics::calibration(Status& status) {
   status.add("state", toString(report_.state));
   status.add("pixel uncertainty rms [px]", report_.uncertainty.rms);
   status.add("pixel uncertainty max [px]", report_.uncertainty.max);
+  status.add("shutter", describe(report_.shutter));
   status.add("revision", report_.revision);
   status.add("epoch", report_.epoch);
   if (!report_.last_change.empty()) status.add("last change", report_.last_change);

@@ -126,6 +126,9 @@ Calibration toCalibration(const CalibrationReport& report, TrackingState trackin
   message.pixel_uncertainty_rms = report.uncertainty.rms;
   message.pixel_uncertainty_max = report.uncertainty.max;
   message.entropy = report.entropy;
+  message.rolling_shutter = report.shutter.rolls;
+  message.readout_time = report.shutter.readout_s;
+  message.readout_time_sigma = report.shutter.sigma_s;
   message.revision = report.revision;
   message.epoch = report.epoch;
   message.handed_over = report.handed_over;

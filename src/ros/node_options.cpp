@@ -26,6 +26,7 @@ void readPipeline(ParameterReader& read, NodeOptions* options) {
   read("exact_references", &pipeline.exact_references);
   read("alpha", &pipeline.alpha);
   read("score", &options->score);
+  read.word("rolling_shutter", &options->rolling_shutter);
   read("converged_pixel_rms", &pipeline.converged_pixel_rms);
   read("false_alarms_per_hour", &pipeline.false_alarms_per_hour);
   read("relocalization_keyframes", &pipeline.relocalization_keyframes);
@@ -87,6 +88,11 @@ std::vector<std::string> NodeOptions::problems() const {
   if (!scoreKindFromString(score)) {
     problems.push_back("score is '" + score + "'; it must be entropy or pixel");
   }
+  Options scratch;
+  if (!setRollingShutter(rolling_shutter, &scratch)) {
+    problems.push_back("rolling_shutter is '" + rolling_shutter +
+                       "'; it must be auto, off or the readout time of the whole image in seconds");
+  }
   if (image_transport != "raw" && image_transport != "compressed" && image_transport != "auto") {
     problems.push_back("image_transport is '" + image_transport +
                        "'; it must be raw, compressed or auto");
@@ -131,6 +137,7 @@ NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node) {
   reading.options.pipeline.choose_model = reading.options.model == kAutoModel;
   const auto score = scoreKindFromString(reading.options.score);
   if (score) reading.options.pipeline.score = *score;
+  setRollingShutter(reading.options.rolling_shutter, &reading.options.pipeline);
   const std::vector<std::string> violated = reading.options.problems();
   reading.problems.insert(reading.problems.end(), violated.begin(), violated.end());
   return reading;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <sstream>
 
 namespace camera_self_calibration {
 namespace {
@@ -28,6 +29,21 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
 }
 
 }  // namespace
+
+void ParameterReader::word(const std::string& name, std::string* value) {
+  XmlRpc::XmlRpcValue given;
+  if (node_.getParam(name, given) && (given.getType() == XmlRpc::XmlRpcValue::TypeDouble ||
+                                      given.getType() == XmlRpc::XmlRpcValue::TypeInt)) {
+    known_.push_back(name);
+    double number = 0.0;
+    node_.getParam(name, number);
+    std::ostringstream text;
+    text << number;
+    *value = text.str();
+  } else {
+    orOff(name, value);
+  }
+}
 
 std::vector<std::string> ParameterReader::unknown() const {
   std::vector<std::string> sentences;

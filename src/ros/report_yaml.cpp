@@ -60,6 +60,9 @@ std::string toYaml(const CalibrationReport& report, std::int64_t dropped_images)
   out << YAML::Key << "pixel_uncertainty_rms_px" << YAML::Value << report.uncertainty.rms;
   out << YAML::Key << "pixel_uncertainty_max_px" << YAML::Value << report.uncertainty.max;
   out << YAML::Key << "entropy_nats" << YAML::Value << report.entropy;
+  out << YAML::Key << "rolling_shutter" << YAML::Value << report.shutter.rolls;
+  out << YAML::Key << "readout_time_s" << YAML::Value << report.shutter.readout_s;
+  out << YAML::Key << "readout_time_sigma_s" << YAML::Value << report.shutter.sigma_s;
   out << YAML::Key << "revision" << YAML::Value << report.revision;
   out << YAML::Key << "epoch" << YAML::Value << report.epoch;
   out << YAML::Key << "handed_over" << YAML::Value << report.handed_over;

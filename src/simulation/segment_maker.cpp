@@ -65,14 +65,12 @@ std::vector<std::int64_t> stampsOf(const SegmentOptions& options, const Trajecto
   return stamps;
 }
 
-Keyframe keyframeAt(const FeatureTracks& tracks, std::int64_t stamp_ns, int index,
-                    double row_time_s) {
+Keyframe keyframeAt(const FeatureTracks& tracks, std::int64_t stamp_ns, int index) {
   Keyframe keyframe;
   keyframe.id = index;
   keyframe.stamp_ns = stamp_ns;
   keyframe.world_from_camera = tracks.worldFromCamera(stamp_ns);
   keyframe.velocity = tracks.trajectory().velocity(tracks.timeOf(stamp_ns));
-  keyframe.row_time_s = row_time_s;
   return keyframe;
 }
 
@@ -93,7 +91,7 @@ std::map<std::int64_t, Recorded> record(const SegmentOptions& options, FeatureTr
           {k, track.pixel, track.sigma, tracks->isOutlier(track.id)});
     }
     if (k >= 0) {
-      keyframes->push_back(keyframeAt(*tracks, stamp, k, options.tracks.row_time_s));
+      keyframes->push_back(keyframeAt(*tracks, stamp, k));
     }
     const bool inside = k >= 0;
     const bool wanted = inside ? options.origin != LandmarkOrigin::kInherited

@@ -65,6 +65,8 @@ po::options_description description(CalibrateBagArguments* arguments) {
     ("score", po::value<std::string>(),
      "what makes a segment better: entropy | pixel (expected error over the image); default "
      "entropy")
+    ("rolling-shutter", po::value<std::string>(),
+     "auto (estimated, default) | off (global shutter) | readout time of the whole image [s]")
     ("converged-pixel-rms", po::value(&options.converged_pixel_rms),
      "CONVERGED below this pixel uncertainty [px]; default: 1 px per 640 px of image width")
     ("relocalization-keyframes", po::value(&options.relocalization_keyframes)->default_value(
@@ -87,6 +89,12 @@ ScoreKind scoreFromName(const std::string& name) {
   const std::optional<ScoreKind> score = scoreKindFromString(name);
   if (score) return *score;
   throw std::runtime_error("--score " + name + " is not one of entropy, pixel");
+}
+
+void shutterFromText(const std::string& text, Options* options) {
+  if (setRollingShutter(text, options)) return;
+  throw std::runtime_error("--rolling-shutter " + text +
+                           " is not auto, off or a readout time in seconds");
 }
 
 /// The start values, converted if another model was asked for.
@@ -148,6 +156,9 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
   if (model_given) arguments.options.model = modelFromName(given["model"].as<std::string>());
   if (given.count("score") > 0) {
     arguments.options.score = scoreFromName(given["score"].as<std::string>());
+  }
+  if (given.count("rolling-shutter") > 0) {
+    shutterFromText(given["rolling-shutter"].as<std::string>(), &arguments.options);
   }
   if (given.count("initial") > 0) {
     setInitial(given["initial"].as<std::string>(), model_given, &arguments.options);

@@ -36,6 +36,7 @@ std::string reportText(const Recording& recording) {
     text << std::setprecision(3) << "  pixel uncertainty: " << report.uncertainty.rms << " px rms, "
          << report.uncertainty.max << " px at worst\n";
   }
+  text << "  shutter: " << describe(report.shutter) << '\n';
   text << std::setprecision(1) << "  " << recording.frames << " frames, " << recording.keyframes
        << " keyframes in " << recording.processing_seconds << " s ("
        << static_cast<double>(recording.frames) / recording.processing_seconds << " fps)\n";

@@ -1,5 +1,6 @@
 #include "camera_self_calibration/tools/simulation_options.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "camera_self_calibration/simulation/tum_file.h"
@@ -51,6 +52,9 @@ void readMotion(const ros::NodeHandle& node, SequenceOptions* sequence) {
   sequence->motion.speed = node.param("speed", sequence->motion.speed);
   sequence->rate_hz = node.param("rate", sequence->rate_hz);
   sequence->duration_s = node.param("duration", sequence->duration_s);
+  sequence->renderer.row_time_s =
+      node.param("readout", 0.0) / std::max(1, sequence->lens.camera.height() - 1);
+  sequence->renderer.exposure_s = node.param("exposure", sequence->renderer.exposure_s);
   // A recorded trajectory in place of the synthetic one.
   const auto file = node.param<std::string>("trajectory", "");
   if (file.empty()) return;

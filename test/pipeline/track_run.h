@@ -48,6 +48,7 @@ struct TrackRunOptions {
   std::uint64_t seed = 1;
   int max_features = 80;
   double rate_hz = 15.0;
+  double readout_s = 0.0;  ///< Of a rolling shutter.
   double duration_s = 120.0;
   /// If given, the camera at a time since the start [s].
   std::function<Camera(double)> lens = nullptr;
@@ -59,7 +60,7 @@ class TrackRun {
   TrackRun(const Camera& truth, const Options& options, const TrackRunOptions& run)
       : rate_hz_(run.rate_hz),
         tracks_(makeRoom(RoomOptions()), Lens{truth, std::nullopt, 1.0, run.lens}, motionOf(run),
-                tracksOf(run)),
+                tracksOf(run, truth)),
         calibrator_(options, SelfCalibrator::Mode::kInline, record.callbacks()) {}
 
   /// Advances by so many frames.
@@ -111,13 +112,14 @@ class TrackRun {
     options.duration_s = run.duration_s;
     return syntheticMotion(options);
   }
-  static FeatureTracksOptions tracksOf(const TrackRunOptions& run) {
+  static FeatureTracksOptions tracksOf(const TrackRunOptions& run, const Camera& truth) {
     FeatureTracksOptions options;
     options.seed = run.seed;
     options.max_features = run.max_features;
     options.pixel_sigma = run.pixel_sigma;
     options.outlier_share = run.outlier_share;
     options.start_stamp_ns = kStartNs;
+    options.row_time_s = run.readout_s / (truth.height() - 1);
     return options;
   }
 

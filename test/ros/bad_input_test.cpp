@@ -157,7 +157,9 @@ std::vector<std::string> valuesOf(const NodeOptions& options) {
                              1.0 * pipeline.solver_threads,
                              1.0 * pipeline.max_queued_images,
                              pipeline.false_alarms_per_hour,
-                             1.0 * pipeline.relocalization_keyframes}) {
+                             1.0 * pipeline.relocalization_keyframes,
+
+                             pipeline.readout_s}) {
     values.push_back(std::to_string(value));
   }
   return values;

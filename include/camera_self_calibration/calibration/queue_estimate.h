@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "camera_self_calibration/calibration/candidate_window.h"
+#include "camera_self_calibration/calibration/row_time.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/problem.h"
 
@@ -24,6 +25,10 @@ struct QueueSolution {
   /// errors that last longer than a segment's residuals can show.
   double inflation = 1.0;
   int iterations = 0;
+
+  /// The row time is one of the unknowns: makes the covariance larger by what its sigma leaves
+  /// open.
+  void addUncertaintyOf(const RowTimeEstimate& row_time);
 };
 
 /// Holds the queue's segments, solved, and re-estimates the intrinsics jointly when they change:
@@ -44,6 +49,10 @@ class QueueEstimate {
     inflation_ = 1.0;
   }
   const std::vector<Candidate>& candidates() const { return candidates_; }
+
+  /// What all segments together tell of the rolling shutter's time between rows, about the one that
+  /// they are freed of; from the state and solution of the last solve.
+  RowTimeEstimate rowTime(const QueueSolution& solution, double step_s) const;
 
   /// Starts from the segments' present states and `start`.
   QueueSolution solve(const Camera& start);

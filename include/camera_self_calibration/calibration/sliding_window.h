@@ -60,6 +60,14 @@ class SlidingWindow {
   /// out of the map.
   std::vector<std::int64_t> addKeyframe(Keyframe keyframe, const std::vector<Track>& tracks);
 
+  /// The rolling shutter's time between rows, which the map's pixels and those of frames to come
+  /// are freed of [s].
+  void setRowTime(double row_time_s) { map_.setRowTime(row_time_s, camera_.height()); }
+
+  bool hasKeyframe(std::int64_t stamp_ns) const { return keyframeAt(stamp_ns) != nullptr; }
+  /// Tells how tracks move in the keyframe of this stamp, if it is one.
+  void setMotions(std::int64_t stamp_ns, const std::map<std::int64_t, ImageMotion>& motions);
+
   /// Newest keyframe's pose; identity without any.
   Rigid3 newestPose() const;
 
@@ -83,6 +91,7 @@ class SlidingWindow {
   bool negligiblyFarFrom(const Camera& camera) const;
   void setCamera(const Camera& camera, std::uint64_t generation, bool trusted);
   void solveUnconditioned();
+  const Keyframe* keyframeAt(std::int64_t stamp_ns) const;
   std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
   double medianDepthOf(const Segment& solution, const Keyframe& newest) const;
   int conditioningCount() const;

@@ -2,6 +2,7 @@
 
 #include "camera_self_calibration/calibration/growth.h"
 #include "camera_self_calibration/calibration/keyframe_choice.h"
+#include "camera_self_calibration/calibration/row_time.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
@@ -46,6 +47,15 @@ class Startup {
   /// added to it.
   void resume(const Camera& camera, const IntrinsicsMatrix& information, const Segment& solved);
 
+  /// The rolling shutter's time between rows, which all pixels are freed of from now on, those of
+  /// the batch too; the batch is solved again [s].
+  void setRowTime(double row_time_s);
+
+  /// What the batch tells of the time between rows, about the one it is freed of. Not usable
+  /// before it tells something of the lens.
+  RowTimeEstimate rowTime(double step_s) const;
+  int keyframesAdded() const { return added_; }  ///< In all.
+
   const Camera& camera() const { return camera_; }
   /// camera(), but with the directions that are not known to the useless uncertainty at their last
   /// trusted values: those of the last estimate that told the lens, or else the first guess.
@@ -76,6 +86,7 @@ class Startup {
   Camera camera_;
   Camera trusted_;  // of the last keyframe that told the lens; else as initial_
   Segment segment_;
+  Segment gated_;       // as solved last, without outliers
   IntrinsicsMatrix information_;
   IntrinsicsMatrix covariance_;
   PixelError uncertainty_;

@@ -27,9 +27,10 @@ class Map {
 
   struct Sighting {
     std::int64_t keyframe_id = 0;
-    Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+    Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< Freed of the rolling shutter.
     double sigma =
         1.0;  ///< Standard deviation per axis [px], positive; the reference pixel has one too.
+    RowShift shift = {};
   };
   struct Point {
     std::int64_t reference_id = 0;  ///< Keyframe in which the track was detected.
@@ -57,6 +58,15 @@ class Map {
 
   /// How many keyframes have this stamp or a later one.
   int keyframesSince(std::int64_t stamp_ns) const;
+
+  /// Frees all pixels of a rolling shutter of this time between rows [s].
+  void setRowTime(double row_time_s, int image_height);
+  double rowTimeS() const { return row_time_s_; }
+
+  /// Tells the motion of tracks in a keyframe, better known than when it was added; unknown ones
+  /// are ignored.
+  void setMotions(std::int64_t keyframe_id, const std::map<std::int64_t, ImageMotion>& motions,
+                  int image_height);
 
   /// Removes landmarks altogether.
   void removePoints(const std::vector<std::int64_t>& track_ids);
@@ -98,6 +108,7 @@ class Map {
   std::deque<Keyframe> keyframes_;
   std::shared_ptr<const Camera> earlier_camera_;  // of keyframes before change_ns_; null: no change
   std::int64_t change_ns_ = 0;
+  double row_time_s_ = 0.0;
   std::map<std::int64_t, Point> points_;  // by track id: ordered, so that results are repeatable
 };
 

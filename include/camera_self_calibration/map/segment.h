@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/geometry/rigid3.h"
+#include "camera_self_calibration/tracking/track.h"
 
 namespace camera_self_calibration {
 
@@ -17,8 +18,15 @@ struct Keyframe {
   /// Motion of the camera from its neighbouring frames: se(3) twist per second, in the camera frame
   /// [map unit/s, rad/s].
   Vector6d velocity = Vector6d::Zero();
-  double row_time_s = 0.0;                   ///< Between image rows; 0 for a global shutter [s].
+  /// Between image rows: that of the rolling shutter that its pixels are freed of; 0: as seen [s].
+  double row_time_s = 0.0;
   std::uint64_t calibration_generation = 0;  ///< Of the intrinsics its pose was estimated with.
+};
+
+/// What a rolling shutter did to a pixel.
+struct RowShift {
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();  ///< The pixel as seen, from where it is put.
+  ImageMotion motion;
 };
 
 /// A point as inverse depth along a ray of its reference keyframe (eq. 1).
@@ -31,6 +39,7 @@ struct Landmark {
   /// segment, in `reference`, is a residual too: three parameters.
   bool anchored = true;
   Eigen::Vector2d reference_pixel = Eigen::Vector2d::Zero();
+  RowShift reference_shift = {};
   Eigen::Vector3d bearing = Eigen::Vector3d::UnitZ();  ///< Unit, in the reference keyframe.
   double inverse_depth = 1.0;  ///< rho [1/map unit]; <= 0 and -> 0 stay finite.
 };
@@ -38,8 +47,10 @@ struct Landmark {
 struct Observation {
   int landmark = 0;  ///< Index into Segment::landmarks.
   int keyframe = 0;  ///< Index into Segment::keyframes.
+  /// As seen by a global shutter at the time of the middle row (see rolling_shutter.h).
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   double sigma = 1.0;  ///< Standard deviation per axis [px].
+  RowShift shift = {};
 };
 
 /// A stretch of the trajectory that stands for itself: a plain value, with indices and no pointers.

@@ -32,7 +32,7 @@ class BackEnd {
  public:
   BackEnd(const Options& options, const Camera& camera);
 
-  BackEndOutput process(const KeyframeMessage& message);
+  BackEndOutput process(const KeyframeMessage& seen);
 
   /// Says what is known and that a keyframe came, but learns nothing from it. `remark` is added to
   /// the sentence. The first time after a restore there is an update too.
@@ -70,6 +70,12 @@ class BackEnd {
   void changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events);
   void followDrift(const ChangeVerdict& verdict);
   void recallSetting(std::vector<Event>* events);
+  // In shutter.cpp: what rows that are read one after the other lead to.
+  KeyframeMessage freed(const KeyframeMessage& message) const;
+  void considerRowTime();
+  void adoptRowTime();
+  void reportShutter();
+  void restoreShutter(const LearntState& state);
   double convergedRms() const { return options_.convergedRms(report_.camera.width()); }
   void adoptStartup();
   bool offer(const Candidate& candidate);
@@ -87,8 +93,11 @@ class BackEnd {
   QueueEstimate estimate_;
   QueueSolution solution_;
   ChangeDetector detector_;
-  SettingArchive settings_;          // of earlier epochs
-  std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch
+  RowTime row_time_;
+  int row_time_keyframes_ = 0;        // of the startup batch, when it was asked last
+  bool queue_asks_row_time_ = false;  // the queue has changed since it was asked
+  SettingArchive settings_;           // of earlier epochs
+  std::int64_t epoch_onset_ns_ = 0;   // keyframes before it are of an earlier epoch
   bool handed_over_ = false;
   bool changed_ = false;  // the estimate, by the newest keyframe
   std::string obstacle_;  // to hand-over

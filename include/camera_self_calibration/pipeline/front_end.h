@@ -14,6 +14,7 @@
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/tracking/appearance.h"
+#include "camera_self_calibration/tracking/image_motion.h"
 #include "camera_self_calibration/tracking/keyframe_rule.h"
 #include "camera_self_calibration/tracking/track.h"
 
@@ -35,6 +36,7 @@ struct CalibrationUpdate {
   /// Startup: poses and depths solved together with the intrinsics.
   std::optional<Segment> solution;
   std::uint64_t epoch = 0;
+  double row_time_s = 0.0;  ///< Of the rolling shutter, between rows [s].
   std::int64_t onset_ns = 0;  ///< Of the epoch: stamp of the first keyframe with the present lens.
 };
 
@@ -64,7 +66,7 @@ class FrontEnd {
 
   /// Frames in the order of time. `detect` is called when the frame becomes a keyframe, `describe`
   /// at some of the keyframes; without it a map that was lost is not found again.
-  FrontEndOutput process(const TrackedFrame& frame,
+  FrontEndOutput process(const TrackedFrame& seen,
                          const std::function<std::vector<Track>()>& detect,
                          const Describe& describe = nullptr);
 
@@ -95,6 +97,7 @@ class FrontEnd {
   void seekOlderMap(const TrackedFrame& whole, const Describe& describe, FrontEndOutput* output);
   void watchLens(const TrackedFrame& frame, const PoseEstimate& pose);
   KeyframeMessage keyframeMessage() const;
+  TrackedFrame withMotion(const TrackedFrame& frame);
   void resumeTracking(const TrackedFrame& frame);
   void missPose(const TrackedFrame& frame, FrontEndOutput* output);
 
@@ -103,6 +106,7 @@ class FrontEnd {
   KeyframeRule keyframe_rule_;
   Relocalizer relocalizer_;
   InnovationMonitor monitor_;
+  MotionHistory motions_;
   bool handed_over_ = false;
   std::uint64_t epoch_ = 0;
   std::int64_t epoch_onset_ns_ = 0;

@@ -20,6 +20,8 @@ struct LearntState {
   std::int64_t keyframes = 0;
   std::uint64_t revision = 0;
   std::uint64_t epoch = 0;
+  double row_time_s = 0.0;          ///< Of a rolling shutter, that the segments are freed of [s].
+  double row_time_sigma_s = 0.0;    ///< Of its estimate; 0: none was made [s].
   std::vector<Candidate> segments;  ///< Of the queue, solved.
 
   /// Every reason why it cannot be used, in words; empty if it can.

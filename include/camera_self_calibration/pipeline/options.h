@@ -37,6 +37,11 @@ struct Options {
   /// Hand-over from the startup batch also below this normalised entropy [nats]; -infinity: only by
   /// pixel uncertainty.
   double handover_entropy = -std::numeric_limits<double>::infinity();
+  /// Estimates the readout time of a rolling shutter; `readout_s` is where it starts.
+  bool estimate_readout = true;
+  /// From the first row to the last, known or not [s]; 0: a global shutter. Negative where the
+  /// lower rows are read first.
+  double readout_s = 0.0;
   double converged_pixel_rms = 0.0;  ///< CONVERGED below this [px]; 0: 1 px per 640 px of width.
   /// Alarms of the change detection per hour while nothing changes; 0: no alarm ever.
   double false_alarms_per_hour = 0.1;
@@ -51,5 +56,9 @@ struct Options {
   /// Every violated bound in one sentence each; empty if all is well.
   std::vector<std::string> problems() const;
 };
+
+/// "auto": the readout time is estimated; "off": a global shutter; or a number: the readout time of
+/// the whole image [s]. False, and nothing changed, for anything else.
+bool setRollingShutter(const std::string& text, Options* options);
 
 }  // namespace camera_self_calibration

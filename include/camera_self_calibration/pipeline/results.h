@@ -59,6 +59,16 @@ struct QueueReport {
   std::string last_decision;  ///< What became of the newest candidate, and why.
 };
 
+/// What is known of the shutter.
+struct ShutterReport {
+  bool rolls = false;      ///< Whether a readout time is in use.
+  double readout_s = 0.0;  ///< From the first row to the last: given, or the estimate [s].
+  double sigma_s = std::numeric_limits<double>::infinity();  ///< Of the estimate; 0 if given [s].
+};
+
+/// In words, with the readout time in milliseconds.
+std::string describe(const ShutterReport& shutter);
+
 /// What is known of the intrinsics.
 struct CalibrationReport {
   std::int64_t stamp_ns = 0;  ///< Of the newest image that it rests on.
@@ -73,11 +83,12 @@ struct CalibrationReport {
   std::uint64_t epoch = 0;      ///< Grows with each change of the physical camera.
   /// Of the newest test whether the lens is still the same; 1 where there was none.
   double change_p_value = 1.0;
-  std::string last_change;  ///< What the last change of the lens was; empty if there was none.
-  bool handed_over = false;     ///< From the startup batch to the queue.
-  bool frozen = false;          ///< Kept as it is on request.
-  std::int64_t keyframes = 0;   ///< Seen so far.
+  std::string last_change;     ///< What the last change of the lens was; empty if there was none.
+  bool handed_over = false;    ///< From the startup batch to the queue.
+  bool frozen = false;         ///< Kept as it is on request.
+  std::int64_t keyframes = 0;  ///< Seen so far.
   QueueReport queue;
+  ShutterReport shutter;
   /// Of the newest comparison of lens models; empty unless the model is to be chosen.
   std::vector<ModelEvidence> models;
 };

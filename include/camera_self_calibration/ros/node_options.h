@@ -14,6 +14,8 @@ struct NodeOptions {
   Options pipeline;
   std::string model = "fov";      ///< Name of pipeline.model, or "auto": pipeline.choose_model.
   std::string score = "entropy";  ///< Name of pipeline.score.
+  /// See setRollingShutter: pipeline.estimate_readout and readout_s.
+  std::string rolling_shutter = "auto";
   /// Start values in the order of the model's parameters; empty: a guess from the image size.
   std::vector<double> initial_intrinsics;
 

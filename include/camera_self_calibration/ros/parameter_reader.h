@@ -33,6 +33,9 @@ class ParameterReader {
     }
   }
 
+  /// A word, or a number as it would be written; what YAML reads as false is "off".
+  void word(const std::string& name, std::string* value);
+
   const std::vector<std::string>& problems() const { return problems_; }
 
   /// All names that were asked for.

@@ -6,12 +6,19 @@
 
 namespace camera_self_calibration {
 
+/// How a feature moves through the images, as they are stamped.
+struct ImageMotion {
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();      ///< [px/s]
+  Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  ///< [px/s^2]
+};
+
 /// One feature in one image, registered against the patch of the image in which it was detected.
 struct Track {
   std::int64_t id = 0;                              ///< Unique over the life of a tracker.
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< In this image.
   Eigen::Vector2d reference_pixel = Eigen::Vector2d::Zero();  ///< In the image of its detection.
   double sigma = 1.0;  ///< Standard deviation of `pixel` per axis [px], the tracker's own.
+  ImageMotion motion;  ///< In this image; zero where it is not known.
 };
 
 /// The live tracks in one image.

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "camera_self_calibration/map/segment.h"
+
+namespace camera_self_calibration {
+
+/// Times between rows that an image has.
+inline int rowSteps(int image_height) { return image_height > 1 ? image_height - 1 : 1; }
+
+/// Puts a pixel where a global shutter would have seen it at the time of the middle row, by the
+/// feature's own motion (asSeenAtOnce); 0: back where it was seen. `row_time_s` [s] is positive
+/// where the upper rows are read first.
+void placePixel(double row_time_s, int image_height, Eigen::Vector2d* pixel, RowShift* shift);
+
+/// The same with all pixels of a segment. Poses are then those of the middle row.
+void setRowTime(double row_time_s, int image_height, Segment* segment);
+
+}  // namespace camera_self_calibration

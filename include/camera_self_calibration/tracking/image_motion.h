@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <map>
+
+#include "camera_self_calibration/tracking/track.h"
+
+namespace camera_self_calibration {
+
+/// Where a feature would have been seen if all rows had been read at the time of `middle_row`. A
+/// rolling shutter reads row v at `(v - middle_row) row_time_s` after that moment; the track's own
+/// motion tells where the feature was at which image's stamp, so that neither camera model nor pose
+/// is needed.
+Eigen::Vector2d asSeenAtOnce(const Eigen::Vector2d& pixel, const ImageMotion& motion,
+                             double middle_row, double row_time_s);
+
+/// The motion of features through the newest images, by a parabola through three of them.
+class MotionHistory {
+ public:
+  /// The images that are remembered: the newest is 0 images old.
+  static constexpr int kImages = 3;
+
+  /// The tracks of the next image.
+  void add(const TrackedFrame& frame);
+
+  /// Tracks that start in the newest image.
+  void addDetected(const std::vector<Track>& tracks);
+
+  void clear() { images_.clear(); }
+
+  /// Number of images remembered.
+  int size() const { return static_cast<int>(images_.size()); }
+  std::int64_t stampNs(int images_ago) const { return image(images_ago).stamp_ns; }
+
+  /// The motion of each track of an image: central differences where the track was seen before and
+  /// after, else one-sided ones, and none where it was seen once. By track id. Of the oldest image
+  /// that is remembered, only the tracks that started in it: for the others it was better known
+  /// before.
+  std::map<std::int64_t, ImageMotion> motions(int images_ago) const;
+
+ private:
+  struct Image {
+    std::int64_t stamp_ns = 0;
+    std::map<std::int64_t, Eigen::Vector2d> pixels;  // by track id
+    std::int64_t first_new_id = 0;                   // this and greater ones started in it
+  };
+
+  const Image& image(int images_ago) const {
+    return images_[images_.size() - 1 - static_cast<std::size_t>(images_ago)];
+  }
+
+  std::deque<Image> images_;
+  std::int64_t next_id_ = 0;
+};
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,96 @@
+// What rows that are read one after the other lead to: the part of BackEnd that learns the readout
+// time of a rolling shutter.
+
+#include <vector>
+
+#include "camera_self_calibration/map/rolling_shutter.h"
+#include "camera_self_calibration/pipeline/back_end.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Keyframes more in the startup batch, after which it is asked again.
+constexpr int kKeyframesBetween = 3;
+
+void freeOf(double row_time_s, int image_height, Segment* segment) {
+  if (segment->keyframes.empty() || segment->keyframes.front().row_time_s == row_time_s) return;
+  setRowTime(row_time_s, image_height, segment);
+}
+
+}  // namespace
+
+// The front end may know an older row time.
+KeyframeMessage BackEnd::freed(const KeyframeMessage& message) const {
+  KeyframeMessage result = message;
+  freeOf(row_time_.inUse(), report_.camera.height(), &result.candidate);
+  freeOf(row_time_.inUse(), report_.camera.height(), &result.history);
+  return result;
+}
+
+void BackEnd::considerRowTime() {
+  if (!options_.estimate_readout) return;
+  RowTimeEstimate estimate;
+  if (handed_over_) {
+    if (!queue_asks_row_time_ || !solution_.usable) return;
+    queue_asks_row_time_ = false;
+    estimate = estimate_.rowTime(solution_, row_time_.step());
+  } else {
+    const int keyframes = startup_.keyframesAdded();
+    if (row_time_.settled() && keyframes < row_time_keyframes_ + kKeyframesBetween) return;
+    row_time_keyframes_ = keyframes;
+    estimate = startup_.rowTime(row_time_.step());
+  }
+  if (row_time_.take(estimate)) adoptRowTime();
+}
+
+// The queue's segments stay, evaluated anew; none that was well posed is lost by it.
+void BackEnd::adoptRowTime() {
+  const double row_time_s = row_time_.inUse();
+  if (!handed_over_) {
+    startup_.setRowTime(row_time_s);
+    if (startup_.usable()) adoptStartup();
+  }
+  detector_.reset();
+  const std::vector<Candidate> candidates = estimate_.candidates();
+  const int swaps = report_.queue.swaps;
+  queue_.clear();
+  estimate_.clear();
+  for (const Candidate& candidate : candidates) {
+    Candidate anew = withRowTime(candidate, row_time_s, report_.camera);
+    if (!anew.well_posed) {
+      anew = candidate;
+      freeOf(row_time_s, report_.camera.height(), &anew.segment);
+    }
+    offer(anew);
+  }
+  report_.queue.swaps = swaps;
+  queue_asks_row_time_ = false;
+  if (!estimate_.candidates().empty()) solveQueue();
+  changed_ = true;
+}
+
+// A readout time that was given is believed rather than one that was learnt.
+void BackEnd::restoreShutter(const LearntState& state) {
+  if (!options_.estimate_readout) return;
+  row_time_ = RowTime(state.row_time_s, rowSteps(state.camera.height()));
+  RowTimeEstimate known;
+  known.usable = state.row_time_sigma_s > 0.0;
+  known.row_time_s = state.row_time_s;
+  known.sigma_s = state.row_time_sigma_s;
+  row_time_.restore(known);
+}
+
+void BackEnd::reportShutter() {
+  const int steps = rowSteps(report_.camera.height());
+  ShutterReport& shutter = report_.shutter;
+  shutter.rolls = row_time_.inUse() != 0.0;
+  if (!options_.estimate_readout) {
+    shutter.readout_s = options_.readout_s;
+    shutter.sigma_s = 0.0;
+  } else if (row_time_.estimate().usable) {
+    shutter.readout_s = steps * row_time_.estimate().row_time_s;
+    shutter.sigma_s = steps * row_time_.estimate().sigma_s;
+  }
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,81 @@
+#include "camera_self_calibration/tracking/image_motion.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace camera_self_calibration {
+namespace {
+
+struct Sample {
+  double time_s;  // from the moment that is asked for
+  Eigen::Vector2d pixel;
+};
+
+// Derivatives at time 0 of the parabola through three samples, or of the line through two.
+ImageMotion motionThrough(const std::vector<Sample>& samples) {
+  ImageMotion motion;
+  if (samples.size() < 2) return motion;
+  const auto slope = [&](std::size_t i) {
+    return Eigen::Vector2d((samples[i + 1].pixel - samples[i].pixel) /
+                           (samples[i + 1].time_s - samples[i].time_s));
+  };
+  const double middle = 0.5 * (samples[0].time_s + samples[1].time_s);
+  motion.velocity = slope(0);
+  if (samples.size() < 3) return motion;
+  motion.acceleration =
+      2.0 * (slope(1) - slope(0)) / (samples[2].time_s - samples[0].time_s);
+  motion.velocity -= middle * motion.acceleration;
+  return motion;
+}
+
+}  // namespace
+
+Eigen::Vector2d asSeenAtOnce(const Eigen::Vector2d& pixel, const ImageMotion& motion,
+                             double middle_row, double row_time_s) {
+  // Pixels as a function p(s) of the image's stamp, s from this one: p(s) was seen at
+  // s + (p_y(s) - middle_row) row_time_s, which is to be 0. Contracts by a feature's motion in rows
+  // while one row is read.
+  double s = 0.0;
+  Eigen::Vector2d moved = pixel;
+  for (int i = 0; i < 4; ++i) {
+    s = -(moved.y() - middle_row) * row_time_s;
+    moved = pixel + s * motion.velocity + 0.5 * s * s * motion.acceleration;
+  }
+  return moved;
+}
+
+void MotionHistory::add(const TrackedFrame& frame) {
+  Image next;
+  next.stamp_ns = frame.stamp_ns;
+  next.first_new_id = next_id_;
+  images_.push_back(std::move(next));
+  if (size() > kImages) images_.pop_front();
+  addDetected(frame.tracks);
+}
+
+void MotionHistory::addDetected(const std::vector<Track>& tracks) {
+  for (const Track& track : tracks) {
+    images_.back().pixels[track.id] = track.pixel;
+    next_id_ = std::max(next_id_, track.id + 1);
+  }
+}
+
+std::map<std::int64_t, ImageMotion> MotionHistory::motions(int images_ago) const {
+  std::map<std::int64_t, ImageMotion> result;
+  const Image& asked = image(images_ago);
+  std::vector<Sample> samples;
+  for (const auto& [id, pixel] : asked.pixels) {
+    if (images_ago == kImages - 1 && id < asked.first_new_id) continue;
+    samples.clear();
+    for (const Image& other : images_) {
+      const auto found = other.pixels.find(id);
+      if (found == other.pixels.end()) continue;
+      samples.push_back({1e-9 * static_cast<double>(other.stamp_ns - asked.stamp_ns),
+                         found->second});
+    }
+    result[id] = motionThrough(samples);
+  }
+  return result;
+}
+
+}  // namespace camera_self_calibration

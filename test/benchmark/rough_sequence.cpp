@@ -1,0 +1,119 @@
+#include "benchmark/rough_sequence.h"
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "benchmark/random_sequence.h"
+#include "camera_self_calibration/simulation/random.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kRateHz = 30.0;
+constexpr double kGainChange = 0.5;  // of the logarithm
+constexpr int kLongestRun = 10;
+
+SequenceOptions sequenceOf(const Roughness& roughness, CameraModel model, double duration_s,
+                           std::uint64_t seed) {
+  SequenceOptions options = randomSequence(model, duration_s, seed, "").options;
+  options.rate_hz = kRateHz;
+  options.motion.speed *= roughness.motion_speed;
+  RendererOptions& renderer = options.renderer;
+  renderer.row_time_s = roughness.readout_s / (options.lens.camera.height() - 1);
+  renderer.exposure_s = roughness.exposure_s;
+  renderer.sensor.noise_sigma = roughness.noise_sigma;
+  renderer.sensor.vignetting = roughness.vignetting;
+  return options;
+}
+
+/// What happens to the images one after the other, by chance.
+class Chance {
+ public:
+  Chance(const Roughness& roughness, std::uint64_t seed)
+      : roughness_(roughness), random_(mixSeed(seed, 91)) {}
+
+  bool drops() {
+    const double mean_run = 0.5 * (1 + 0.5 * (1 + kLongestRun));  // half of them are single
+    if (to_drop_ == 0 && random_.chance(roughness_.dropped_share / mean_run)) {
+      to_drop_ = random_.chance(0.5) ? 1 : random_.integer(1, kLongestRun);
+    }
+    if (to_drop_ == 0) return false;
+    --to_drop_;
+    return true;
+  }
+
+  double gain() {
+    if (roughness_.exposure_jumps_s > 0.0 &&
+        random_.chance(1.0 / (kRateHz * roughness_.exposure_jumps_s))) {
+      gain_ = std::exp(random_.uniform(-kGainChange, kGainChange));
+    }
+    return gain_;
+  }
+
+ private:
+  Roughness roughness_;
+  Random random_;
+  int to_drop_ = 0;
+  double gain_ = 1.0;
+};
+
+}  // namespace
+
+std::vector<Roughness> roughnessKinds() {
+  std::vector<Roughness> kinds(13);
+  kinds[0].name = "none";
+  kinds[1].name = "rolling 10 ms";
+  kinds[1].readout_s = 0.010;
+  kinds[2].name = "rolling 15 ms";
+  kinds[2].readout_s = 0.015;
+  kinds[3].name = "rolling 30 ms";
+  kinds[3].readout_s = 0.030;
+  kinds[4].name = "exposure jumps";
+  kinds[4].exposure_jumps_s = 0.7;
+  kinds[5].name = "blur 20 ms";
+  kinds[5].exposure_s = 0.020;
+  kinds[6].name = "noise 10";
+  kinds[6].noise_sigma = 10.0;
+  kinds[7].name = "vignetting 70 %";
+  kinds[7].vignetting = 0.7;
+  kinds[8].name = "JPEG quality 20";
+  kinds[8].jpeg_quality = 20;
+  kinds[9].name = "25 % dropped";
+  kinds[9].dropped_share = 0.25;
+  kinds[10].name = "fast";
+  kinds[10].motion_speed = 2.5;
+  kinds[11].name = "fast, blur 20 ms";
+  kinds[11].motion_speed = 2.0;
+  kinds[11].exposure_s = 0.020;
+  Roughness& all = kinds[12];
+  all.name = "all of it";
+  all.readout_s = 0.015;
+  all.exposure_s = 0.010;
+  all.noise_sigma = 5.0;
+  all.vignetting = 0.5;
+  all.exposure_jumps_s = 1.0;
+  all.jpeg_quality = 40;
+  all.dropped_share = 0.1;
+  return kinds;
+}
+
+Camera renderRough(const Roughness& roughness, CameraModel model, double duration_s,
+                   std::uint64_t seed, const std::function<void(const ImageView&)>& take) {
+  const SimulatedSequence sequence(sequenceOf(roughness, model, duration_s, seed));
+  Chance chance(roughness, seed);
+  for (int i = 0; i < sequence.size(); ++i) {
+    const double gain = chance.gain();
+    if (chance.drops()) continue;
+    SimulatedFrame frame = sequence.frame(i);
+    if (gain != 1.0) frame.image.convertTo(frame.image, -1, gain);
+    if (roughness.jpeg_quality > 0) {
+      std::vector<unsigned char> bytes;
+      cv::imencode(".jpg", frame.image, bytes,
+                   {cv::IMWRITE_JPEG_QUALITY, roughness.jpeg_quality});
+      frame.image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+    }
+    take(frame.view());
+  }
+  return sequence.camera(0);
+}
+
+}  // namespace camera_self_calibration

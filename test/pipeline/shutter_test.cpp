@@ -1,0 +1,121 @@
+#include <gtest/gtest.h>
+
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/map/rolling_shutter.h"
+#include "estimation/sample_segments.h"
+#include "pipeline/track_run.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kReadout = 0.015;  // [s]
+constexpr int kFrames = 420;
+
+TrackRunOptions tracksWith(double readout_s) {
+  TrackRunOptions options;
+  options.rate_hz = 30.0;
+  options.motion_speed = 1.0;
+  options.pixel_sigma = 0.15;
+  options.readout_s = readout_s;
+  options.duration_s = 30.0;
+  return options;
+}
+
+struct Learnt {
+  CalibrationReport report;
+  double error_px = 0.0;
+  std::shared_ptr<const LearntState> state;
+};
+
+Learnt learn(const Camera& truth, double readout_s, const std::string& rolling_shutter) {
+  Options options = optionsFor(truth.model());
+  EXPECT_TRUE(setRollingShutter(rolling_shutter, &options));
+  TrackRun run(truth, options, tracksWith(readout_s));
+  run.run(kFrames);
+  return {run.report(), pixelDistance(truth, run.report().camera).rms, run.calibrator().state()};
+}
+
+const Learnt& rolling() {
+  static const Learnt learnt = learn(ordinaryCameras()[1], kReadout, "auto");
+  return learnt;
+}
+
+TEST(Shutter, ReadoutTimeIsLearntWithTheIntrinsics) {
+  const CalibrationReport& report = rolling().report;
+  EXPECT_EQ(report.state, CalibrationState::kConverged) << report.sentence;
+  EXPECT_TRUE(report.shutter.rolls);
+  EXPECT_NEAR(report.shutter.readout_s, kReadout, 3.0 * report.shutter.sigma_s);
+  EXPECT_LT(report.shutter.sigma_s, 0.02 * kReadout);
+  const Learnt global = learn(ordinaryCameras()[1], 0.0, "off");
+  EXPECT_LT(rolling().error_px, 2.0 * global.error_px + report.uncertainty.rms);
+  EXPECT_LT(rolling().error_px, 3.0 * report.uncertainty.rms);
+  std::cout << describe(report.shutter) << "; " << rolling().error_px << " px, global shutter "
+            << global.error_px << " px\n";
+}
+
+TEST(Shutter, GlobalOneIsFoundToBeGlobal) {
+  const Learnt learnt = learn(ordinaryCameras()[1], 0.0, "auto");
+  EXPECT_FALSE(learnt.report.shutter.rolls) << describe(learnt.report.shutter);
+  EXPECT_NEAR(learnt.report.shutter.readout_s, 0.0, 4.0 * learnt.report.shutter.sigma_s);
+  EXPECT_LT(learnt.report.shutter.sigma_s, 1e-3);
+  EXPECT_LT(learnt.error_px, 3.0 * learnt.report.uncertainty.rms);
+}
+
+TEST(Shutter, GivenReadoutTimeIsUsedAsItIs) {
+  const Learnt learnt = learn(ordinaryCameras()[1], kReadout, "0.015");
+  EXPECT_EQ(learnt.report.state, CalibrationState::kConverged);
+  EXPECT_EQ(learnt.report.shutter.readout_s, kReadout);
+  EXPECT_EQ(learnt.report.shutter.sigma_s, 0.0);
+  EXPECT_LT(learnt.error_px, 3.0 * learnt.report.uncertainty.rms);
+}
+
+TEST(Shutter, StateKeepsIt) {
+  const Camera truth = ordinaryCameras()[1];
+  ASSERT_TRUE(rolling().state);
+  const DecodedState decoded = decodeState(encode(*rolling().state));
+  ASSERT_TRUE(decoded.state) << decoded.error;
+  TrackRun run(truth, optionsFor(truth.model()), tracksWith(kReadout));
+  run.calibrator().restore(decoded.state);
+  run.run(90);
+  EXPECT_EQ(run.record.reports.front().state, CalibrationState::kConverged);
+  EXPECT_TRUE(run.report().shutter.rolls);
+  EXPECT_NEAR(run.report().shutter.readout_s, rolling().report.shutter.readout_s,
+              rolling().report.shutter.sigma_s);
+  EXPECT_EQ(run.record.count(EventType::kCalibrationChange), 0);
+}
+
+TEST(Shutter, PixelsCanBePutBack) {
+  ASSERT_TRUE(rolling().state);
+  const Camera truth = ordinaryCameras()[1];
+  const Segment freed = rolling().state->segments.front().segment;
+  Segment segment = freed;
+  setRowTime(0.0, truth.height(), &segment);
+  double moved = 0.0;
+  for (std::size_t i = 0; i < segment.observations.size(); ++i) {
+    moved = std::max(moved, (segment.observations[i].pixel - freed.observations[i].pixel).norm());
+  }
+  EXPECT_GT(moved, 1.0) << "pixels as they were seen";
+  setRowTime(freed.keyframes.front().row_time_s, truth.height(), &segment);
+  for (std::size_t i = 0; i < segment.observations.size(); ++i) {
+    EXPECT_LT((segment.observations[i].pixel - freed.observations[i].pixel).norm(), 1e-9);
+  }
+}
+
+TEST(Shutter, WordsAndNumbersAreRead) {
+  Options options;
+  EXPECT_TRUE(setRollingShutter("off", &options));
+  EXPECT_FALSE(options.estimate_readout);
+  EXPECT_EQ(options.readout_s, 0.0);
+  EXPECT_TRUE(setRollingShutter("-0.02", &options));
+  EXPECT_EQ(options.readout_s, -0.02);
+  EXPECT_TRUE(options.problems().empty());
+  EXPECT_FALSE(setRollingShutter("15 ms", &options));
+  EXPECT_EQ(options.readout_s, -0.02) << "nothing changed";
+  EXPECT_TRUE(setRollingShutter("15", &options));
+  EXPECT_FALSE(options.problems().empty()) << "milliseconds for seconds";
+  EXPECT_TRUE(setRollingShutter("auto", &options));
+  EXPECT_TRUE(options.estimate_readout);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

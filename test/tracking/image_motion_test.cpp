@@ -1,0 +1,73 @@
+#include "camera_self_calibration/tracking/image_motion.h"
+
+#include <gtest/gtest.h>
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kRowTime = 30e-6;
+constexpr double kMiddle = 239.5;
+constexpr double kPeriod = 1.0 / 30.0;
+
+// A feature that is being accelerated.
+Eigen::Vector2d path(double t) {
+  return Eigen::Vector2d(200.0, 430.0) + t * Eigen::Vector2d(300.0, -250.0) +
+         0.5 * t * t * Eigen::Vector2d(-2000.0, 3000.0);
+}
+
+// As rows that are read one after the other see it; the middle one at `t`.
+Eigen::Vector2d seen(double t) {
+  Eigen::Vector2d pixel = path(t);
+  for (int i = 0; i < 20; ++i) pixel = path(t + (pixel.y() - kMiddle) * kRowTime);
+  return pixel;
+}
+
+TrackedFrame frame(int index) {
+  TrackedFrame result;
+  result.stamp_ns = static_cast<std::int64_t>(1e9 * kPeriod * index);
+  Track track;
+  track.id = 7;
+  track.pixel = track.reference_pixel = seen(kPeriod * index);
+  result.tracks = {track};
+  return result;
+}
+
+double errorAt(const MotionHistory& history, int index, int images_ago) {
+  const ImageMotion motion = history.motions(images_ago).at(7);
+  const double t = kPeriod * index;
+  return (asSeenAtOnce(seen(t), motion, kMiddle, kRowTime) - path(t)).norm();
+}
+
+TEST(ImageMotion, FreesAPixelOfTheRollingShutter) {
+  ASSERT_GT((seen(0.0) - path(0.0)).norm(), 2.0) << "there is something to be freed of";
+  MotionHistory history;
+  for (int i = 0; i < 3; ++i) history.add(frame(i));
+  EXPECT_LT(errorAt(history, 1, 1), 0.005) << "between two other images";
+  EXPECT_LT(errorAt(history, 2, 0), 0.02) << "in the newest image";
+  EXPECT_LT(errorAt(history, 0, 2), 0.02) << "in the image of its detection";
+}
+
+TEST(ImageMotion, TwoImagesGiveItsVelocity) {
+  MotionHistory history;
+  history.add(frame(0));
+  EXPECT_TRUE(history.motions(0).at(7).velocity.isZero()) << "seen once";
+  history.add(frame(1));
+  const ImageMotion motion = history.motions(0).at(7);
+  EXPECT_LT((motion.velocity - (seen(kPeriod) - seen(0.0)) / kPeriod).norm(), 1e-5);
+  EXPECT_TRUE(motion.acceleration.isZero());
+}
+
+TEST(ImageMotion, OfTheOldestImageOnlyForTracksThatStartedThere) {
+  MotionHistory history;
+  for (int i = 0; i < 4; ++i) history.add(frame(i));
+  EXPECT_EQ(history.motions(2).count(7), 0u) << "it was between two images before";
+  EXPECT_EQ(history.motions(1).count(7), 1u);
+}
+
+TEST(ImageMotion, AGlobalShutterChangesNothing) {
+  const ImageMotion motion{{100.0, 200.0}, {3000.0, -1000.0}};
+  EXPECT_EQ(asSeenAtOnce({10.0, 20.0}, motion, kMiddle, 0.0), Eigen::Vector2d(10.0, 20.0));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
