@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "camera_self_calibration/map/rolling_shutter.h"
+
 namespace camera_self_calibration {
 
 // Map units of the stretch per unit of the window, from the length of the way along the keyframes
@@ -40,6 +42,26 @@ void WholeTrajectory::addKeyframes(const Segment& window, double scale, Stretch*
   }
 }
 
+// The window after a keyframe knows better how its features move.
+void WholeTrajectory::learnMotion(const Observation& seen, std::vector<Observation>* known) {
+  for (Observation& observation : *known) {
+    if (observation.keyframe != seen.keyframe) continue;
+    observation.pixel = seen.pixel;
+    observation.shift = seen.shift;
+  }
+}
+
+void WholeTrajectory::setRowTime(double row_time_s, int image_height) {
+  for (Stretch& stretch : stretches_) {
+    camera_self_calibration::setRowTime(row_time_s, image_height, &stretch.segment);
+    for (std::vector<Observation>& seen : stretch.observations) {
+      for (Observation& observation : seen) {
+        placePixel(row_time_s, image_height, &observation.pixel, &observation.shift);
+      }
+    }
+  }
+}
+
 void WholeTrajectory::add(const Segment& window) {
   if (window.keyframes.empty()) return;
   const auto known = [&](const Keyframe& keyframe) {
@@ -67,11 +89,16 @@ void WholeTrajectory::add(const Segment& window) {
   }
   for (Observation seen : window.observations) {
     const int keyframe = stretch.keyframe_index.at(window.keyframes[seen.keyframe].id);
-    if (is_new[seen.landmark] == 0 && keyframe < first_new) continue;  // known already
     const int index = stretch.landmark_index.at(window.landmarks[seen.landmark].track_id);
+    const bool known_already = is_new[seen.landmark] == 0 && keyframe < first_new;
     seen.landmark = index;
     seen.keyframe = keyframe;
-    stretch.observations[index].push_back(seen);
+    std::vector<Observation>& all = stretch.observations[index];
+    if (known_already) {
+      learnMotion(seen, &all);
+    } else {
+      all.push_back(seen);
+    }
   }
 }
 

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/map/rolling_shutter.h"
 #include "camera_self_calibration/tools/json.h"
 
 namespace camera_self_calibration {
@@ -73,6 +74,9 @@ void BatchComparer::add(const CalibrationReport& report) {
 
 void BatchComparer::solve() {
   solved_ = trajectory_.keyframes();
+  const int height = newest_.camera.height();
+  const double readout_s = newest_.shutter.rolls ? newest_.shutter.readout_s : 0.0;
+  trajectory_.setRowTime(readout_s / rowSteps(height), height);
   BatchEstimate estimate = trajectory_.solve(newest_.camera, options_.solver_threads);
   estimate.keyframes = static_cast<int>(newest_.keyframes);  // on the run's own count
   result_.batch.push_back(estimate);

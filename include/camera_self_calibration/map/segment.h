@@ -26,7 +26,7 @@ struct Keyframe {
 /// What a rolling shutter did to a pixel.
 struct RowShift {
   Eigen::Vector2d shift = Eigen::Vector2d::Zero();  ///< The pixel as seen, from where it is put.
-  ImageMotion motion;
+  ImageMotion motion = {};
 };
 
 /// A point as inverse depth along a ray of its reference keyframe (eq. 1).

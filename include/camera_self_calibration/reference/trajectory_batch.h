@@ -30,6 +30,11 @@ class TrajectoryBatch {
   /// The window that a keyframe offers to the queue, once each keyframe.
   void add(const Segment& window) { trajectory_.add(window); }
 
+  /// Frees all pixels of a rolling shutter of this time between rows [s].
+  void setRowTime(double row_time_s, int image_height) {
+    trajectory_.setRowTime(row_time_s, image_height);
+  }
+
   int keyframes() const { return trajectory_.keyframes(); }
 
   /// Solves for all that was added, starting from `start` for the intrinsics. As for a segment of

@@ -24,6 +24,9 @@ class WholeTrajectory {
   /// keep what they had.
   void update(const std::vector<Segment>& solved);
 
+  /// Frees all pixels of a rolling shutter of this time between rows, as the newest window's are.
+  void setRowTime(double row_time_s, int image_height);
+
   int keyframes() const { return keyframes_; }
 
  private:
@@ -34,6 +37,7 @@ class WholeTrajectory {
     std::map<std::int64_t, int> landmark_index;          // by track id
   };
 
+  static void learnMotion(const Observation& seen, std::vector<Observation>* known);
   static double scaleOf(const Stretch& stretch, const Segment& window);
   static void addKeyframes(const Segment& window, double scale, Stretch* stretch);
 

@@ -17,8 +17,8 @@ struct Track {
   std::int64_t id = 0;                              ///< Unique over the life of a tracker.
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  ///< In this image.
   Eigen::Vector2d reference_pixel = Eigen::Vector2d::Zero();  ///< In the image of its detection.
-  double sigma = 1.0;  ///< Standard deviation of `pixel` per axis [px], the tracker's own.
-  ImageMotion motion;  ///< In this image; zero where it is not known.
+  double sigma = 1.0;       ///< Standard deviation of `pixel` per axis [px], the tracker's own.
+  ImageMotion motion = {};  ///< In this image; zero where it is not known.
 };
 
 /// The live tracks in one image.
