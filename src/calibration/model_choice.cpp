@@ -9,6 +9,7 @@
 #include <set>
 
 #include "camera_self_calibration/calibration/held_out.h"
+#include "camera_self_calibration/map/rolling_shutter.h"
 #include "camera_self_calibration/camera/fit.h"
 
 namespace camera_self_calibration {
@@ -124,6 +125,12 @@ void ModelChoice::observe(const Segment& candidate) {
   if (!kept_.empty() && candidate.beginNs() <= kept_.back().endNs()) return;
   kept_.push_back(candidate);
   if (static_cast<int>(kept_.size()) > options_.max_segments) kept_.erase(kept_.begin());
+}
+
+void ModelChoice::setRowTime(double row_time_s, int image_height) {
+  for (Segment& segment : kept_) {
+    camera_self_calibration::setRowTime(row_time_s, image_height, &segment);
+  }
 }
 
 std::optional<Camera> ModelChoice::consider(std::int64_t keyframes,

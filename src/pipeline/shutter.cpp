@@ -50,6 +50,7 @@ void BackEnd::adoptRowTime() {
     startup_.setRowTime(row_time_s);
     if (startup_.usable()) adoptStartup();
   }
+  model_choice_.setRowTime(row_time_s, report_.camera.height());
   detector_.reset();
   const std::vector<Candidate> candidates = estimate_.candidates();
   const int swaps = report_.queue.swaps;

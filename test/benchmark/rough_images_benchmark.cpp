@@ -32,9 +32,9 @@ struct Arguments {
 
 struct Row {
   CalibrationReport report;
-  double error_px = NAN;      ///< rms distance from the truth.
-  double deviation = 0.0;     ///< Sum of squared z of the parameters ...
-  int parameters = 0;         ///< ... and how many.
+  double error_px = NAN;         ///< rms distance from the truth.
+  double deviation = 0.0;        ///< Sum of squared z of the parameters ...
+  int parameters = 0;            ///< ... and how many.
   bool false_converged = false;  ///< CONVERGED while further from the truth than its limit.
   int lost = 0;
 };
@@ -58,8 +58,12 @@ Row runTrial(const Roughness& kind, const Arguments& arguments, std::uint64_t se
   };
   callbacks.event = [&](const Event& event) { row.lost += event.type == EventType::kLost; };
   SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
-  const Camera truth = renderRough(kind, model, arguments.seconds, seed,
-                                   [&](const ImageView& view) { calibrator.process(view); });
+  RoughVideo video;
+  video.model = model;
+  video.seed = seed;
+  video.duration_s = arguments.seconds;
+  const Camera truth =
+      renderRough(video, kind, [&](const ImageView& view) { calibrator.process(view); });
   row.report = calibrator.calibration();
   const double limit = options.convergedRms(truth.width());
   for (const Camera& camera : believed) {
@@ -67,8 +71,8 @@ Row runTrial(const Roughness& kind, const Arguments& arguments, std::uint64_t se
   }
   if (row.report.covariance.size() == 0) return row;
   row.error_px = pixelDistance(truth, row.report.camera).rms;
-  row.parameters = static_cast<int>(std::min<Eigen::Index>(row.report.covariance.rows(),
-                                                           truth.parameters().size()));
+  row.parameters = static_cast<int>(
+      std::min<Eigen::Index>(row.report.covariance.rows(), truth.parameters().size()));
   for (int i = 0; i < row.parameters; ++i) {
     const double difference = row.report.camera.parameters()(i) - truth.parameters()(i);
     row.deviation += difference * difference / row.report.covariance(i, i);
@@ -77,14 +81,14 @@ Row runTrial(const Roughness& kind, const Arguments& arguments, std::uint64_t se
 }
 
 void print(const Roughness& kind, std::uint64_t seed, const Row& row) {
-  std::printf("%-18s seed %3llu  %-13s error %7.4f px  sigma %7.4f px  rms z %5.2f  "
-              "readout %7.3f +- %6.3f ms%s  keyframes %lld  lost %d  swaps %d\n",
-              kind.name.c_str(), static_cast<unsigned long long>(seed),
-              toString(row.report.state).c_str(), row.error_px, row.report.uncertainty.rms,
-              std::sqrt(row.deviation / std::max(1, row.parameters)),
-              1e3 * row.report.shutter.readout_s, 1e3 * row.report.shutter.sigma_s,
-              row.report.shutter.rolls ? " *" : "  ",
-              static_cast<long long>(row.report.keyframes), row.lost, row.report.queue.swaps);
+  std::printf(
+      "%-18s seed %3llu  %-13s error %7.4f px  sigma %7.4f px  rms z %5.2f  "
+      "readout %7.3f +- %6.3f ms%s  keyframes %lld  lost %d  swaps %d\n",
+      kind.name.c_str(), static_cast<unsigned long long>(seed), toString(row.report.state).c_str(),
+      row.error_px, row.report.uncertainty.rms,
+      std::sqrt(row.deviation / std::max(1, row.parameters)), 1e3 * row.report.shutter.readout_s,
+      1e3 * row.report.shutter.sigma_s, row.report.shutter.rolls ? " *" : "  ",
+      static_cast<long long>(row.report.keyframes), row.lost, row.report.queue.swaps);
   std::fflush(stdout);
 }
 
@@ -126,8 +130,9 @@ int run(const Arguments& arguments) {
       print(kind, seed, all.back().second.back());
     }
   }
-  std::printf("\n| roughness | CONVERGED | error, median [px] | worst [px] | within 3 sigma | rms z "
-              "| falsely CONVERGED |\n|---|---|---|---|---|---|---|\n");
+  std::printf(
+      "\n| roughness | CONVERGED | error, median [px] | worst [px] | within 3 sigma | rms z "
+      "| falsely CONVERGED |\n|---|---|---|---|---|---|---|\n");
   for (const auto& [kind, rows] : all) printSummary(kind, rows);
   return 0;
 }

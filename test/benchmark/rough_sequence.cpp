@@ -1,5 +1,6 @@
 #include "benchmark/rough_sequence.h"
 
+#include <cmath>
 #include <opencv2/imgcodecs.hpp>
 
 #include "benchmark/random_sequence.h"
@@ -8,14 +9,23 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kRateHz = 30.0;
 constexpr double kGainChange = 0.5;  // of the logarithm
 constexpr int kLongestRun = 10;
 
-SequenceOptions sequenceOf(const Roughness& roughness, CameraModel model, double duration_s,
-                           std::uint64_t seed) {
-  SequenceOptions options = randomSequence(model, duration_s, seed, "").options;
-  options.rate_hz = kRateHz;
+// Pixel centres lie at integer coordinates.
+Camera scaled(const Camera& camera, double scale) {
+  Intrinsics parameters = camera.parameters();
+  parameters.head<2>() *= scale;
+  parameters.segment<2>(2) =
+      (scale * (parameters.segment<2>(2).array() + 0.5) - 0.5).matrix().eval();
+  return Camera(camera.model(), static_cast<int>(std::lround(scale * camera.width())),
+                static_cast<int>(std::lround(scale * camera.height())), parameters);
+}
+
+SequenceOptions sequenceOf(const RoughVideo& video, const Roughness& roughness) {
+  SequenceOptions options = randomSequence(video.model, video.duration_s, video.seed, "").options;
+  options.rate_hz = video.rate_hz;
+  options.lens.camera = scaled(options.lens.camera, video.scale);
   options.motion.speed *= roughness.motion_speed;
   RendererOptions& renderer = options.renderer;
   renderer.row_time_s = roughness.readout_s / (options.lens.camera.height() - 1);
@@ -28,8 +38,8 @@ SequenceOptions sequenceOf(const Roughness& roughness, CameraModel model, double
 /// What happens to the images one after the other, by chance.
 class Chance {
  public:
-  Chance(const Roughness& roughness, std::uint64_t seed)
-      : roughness_(roughness), random_(mixSeed(seed, 91)) {}
+  Chance(const RoughVideo& video, const Roughness& roughness)
+      : roughness_(roughness), rate_hz_(video.rate_hz), random_(mixSeed(video.seed, 91)) {}
 
   bool drops() {
     const double mean_run = 0.5 * (1 + 0.5 * (1 + kLongestRun));  // half of them are single
@@ -43,7 +53,7 @@ class Chance {
 
   double gain() {
     if (roughness_.exposure_jumps_s > 0.0 &&
-        random_.chance(1.0 / (kRateHz * roughness_.exposure_jumps_s))) {
+        random_.chance(1.0 / (rate_hz_ * roughness_.exposure_jumps_s))) {
       gain_ = std::exp(random_.uniform(-kGainChange, kGainChange));
     }
     return gain_;
@@ -51,6 +61,7 @@ class Chance {
 
  private:
   Roughness roughness_;
+  double rate_hz_;
   Random random_;
   int to_drop_ = 0;
   double gain_ = 1.0;
@@ -81,7 +92,7 @@ std::vector<Roughness> roughnessKinds() {
   kinds[9].dropped_share = 0.25;
   kinds[10].name = "fast";
   kinds[10].motion_speed = 2.5;
-  kinds[11].name = "fast, blur 20 ms";
+  kinds[11].name = "fast and blurred";
   kinds[11].motion_speed = 2.0;
   kinds[11].exposure_s = 0.020;
   Roughness& all = kinds[12];
@@ -96,10 +107,10 @@ std::vector<Roughness> roughnessKinds() {
   return kinds;
 }
 
-Camera renderRough(const Roughness& roughness, CameraModel model, double duration_s,
-                   std::uint64_t seed, const std::function<void(const ImageView&)>& take) {
-  const SimulatedSequence sequence(sequenceOf(roughness, model, duration_s, seed));
-  Chance chance(roughness, seed);
+Camera renderRough(const RoughVideo& video, const Roughness& roughness,
+                   const std::function<void(const ImageView&)>& take) {
+  const SimulatedSequence sequence(sequenceOf(video, roughness));
+  Chance chance(video, roughness);
   for (int i = 0; i < sequence.size(); ++i) {
     const double gain = chance.gain();
     if (chance.drops()) continue;
@@ -107,8 +118,7 @@ Camera renderRough(const Roughness& roughness, CameraModel model, double duratio
     if (gain != 1.0) frame.image.convertTo(frame.image, -1, gain);
     if (roughness.jpeg_quality > 0) {
       std::vector<unsigned char> bytes;
-      cv::imencode(".jpg", frame.image, bytes,
-                   {cv::IMWRITE_JPEG_QUALITY, roughness.jpeg_quality});
+      cv::imencode(".jpg", frame.image, bytes, {cv::IMWRITE_JPEG_QUALITY, roughness.jpeg_quality});
       frame.image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
     }
     take(frame.view());

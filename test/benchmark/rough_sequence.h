@@ -26,10 +26,18 @@ struct Roughness {
 /// The kinds of roughness that the benchmark knows, the clean images first.
 std::vector<Roughness> roughnessKinds();
 
-/// Renders seed `seed` with this roughness, and hands each image that is not dropped to `take`.
-/// The same seed has the same room, lens and motion (but its speed) whatever the roughness. 640 x
-/// 480 at 30 Hz. Returns the true camera.
-Camera renderRough(const Roughness& roughness, CameraModel model, double duration_s,
-                   std::uint64_t seed, const std::function<void(const ImageView&)>& take);
+/// A room, a lens and a motion, the same (but for the motion's speed) whatever the roughness.
+struct RoughVideo {
+  CameraModel model = CameraModel::kFov;
+  std::uint64_t seed = 1;
+  double duration_s = 30.0;
+  double rate_hz = 30.0;
+  double scale = 1.0;  ///< Of the image's sides, from 640 x 480.
+};
+
+/// Renders a video with this roughness, and hands each image that is not dropped to `take`. Returns
+/// the true camera.
+Camera renderRough(const RoughVideo& video, const Roughness& roughness,
+                   const std::function<void(const ImageView&)>& take);
 
 }  // namespace camera_self_calibration
