@@ -86,11 +86,10 @@ Trajectory anotherWay(const Trajectory& motion) {
                     motion.duration());
 }
 
-// Textured figures that cross the image at several speeds and hide up to half of it.
-cv::Mat withPeople(const cv::Mat& image, double time_s, const cv::Mat& clothes) {
+// Textured figures that cross the image at several speeds.
+cv::Mat withPeople(const cv::Mat& image, double time_s, int people, const cv::Mat& clothes) {
   cv::Mat result = image.clone();
-  constexpr int kPeople = 5;
-  for (int i = 0; i < kPeople; ++i) {
+  for (int i = 0; i < people; ++i) {
     const int width = 30 + 8 * i;
     const int span = image.cols + 2 * width;
     const double speed = (i % 2 == 0 ? 1.0 : -1.0) * (50.0 + 17.0 * i);  // [px/s]
@@ -179,7 +178,9 @@ class Script {
       case LossKind::kWhipPan:
         return whipPan();
       case LossKind::kCrowd:
-        return crowd();
+        return crowd(3);
+      case LossKind::kDenseCrowd:
+        return crowd(5);
       case LossKind::kFlicker:
         for (int i = 0; i < 10; ++i) {
           dark(1.0);
@@ -206,10 +207,11 @@ class Script {
     goOn(kLearning + kTurn, kLearning + 5.0);
   }
 
-  void crowd() {
+  void crowd(int people) {
     const cv::Mat cloth = clothes(seed_);
-    goOn(kLearning, kLearning + 5.0,
-         [&](const cv::Mat& image, double time_s) { return withPeople(image, time_s, cloth); });
+    goOn(kLearning, kLearning + 5.0, [&](const cv::Mat& image, double time_s) {
+      return withPeople(image, time_s, people, cloth);
+    });
     usable_s_ = run_.now();
     goOn(kLearning + 5.0, kLearning + 10.0);
   }
@@ -246,6 +248,8 @@ std::string toString(LossKind kind) {
       return "whip-pan";
     case LossKind::kCrowd:
       return "crowd for 5 s";
+    case LossKind::kDenseCrowd:
+      return "dense crowd for 5 s";
     case LossKind::kFlicker:
       return "10 blackouts of 1 s";
   }

@@ -35,7 +35,8 @@ enum class LossKind {
   kMirror,      ///< the lens is covered, then all images are mirrored
   kRepetitive,  ///< a cut to another wall of a room where all walls have the same tiles
   kWhipPan,     ///< a whole turn within 0.6 s, with motion blur
-  kCrowd,       ///< people walk through the view for 5 s
+  kCrowd,       ///< people walk through the view for 5 s and hide a quarter of it
+  kDenseCrowd,  ///< the same with half of it hidden
   kFlicker      ///< the lens is covered for 1 s, ten times
 };
 
