@@ -5,6 +5,7 @@
 #include <set>
 #include <utility>
 
+#include "camera_self_calibration/calibration/moving_tracks.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
@@ -251,9 +252,31 @@ int SlidingWindow::conditioningCount() const {
   return count;
 }
 
+// Points that move would pull the poses of the window: they are out before it is solved.
+std::vector<std::int64_t> SlidingWindow::tracksAtOdds(const Rigid3& pose,
+                                                      const std::vector<Track>& tracks) const {
+  std::vector<TrackedPoint> points;
+  for (const Track& track : tracks) {
+    const auto found = map_.points().find(track.id);
+    if (found == map_.points().end()) continue;
+    const auto view = viewOf(found->second, track);
+    if (view) points.push_back({track.id, *view, found->second.sightings.size() > 1});
+  }
+  return movingTracks(camera_, pose, points, options_.gross_residual_share * camera_.width());
+}
+
 std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
-                                                     const std::vector<Track>& tracks) {
+                                                     const std::vector<Track>& all_tracks) {
   keyframe.calibration_generation = generation_;
+  std::vector<std::int64_t> at_odds;
+  if (trusted_) at_odds = tracksAtOdds(keyframe.world_from_camera, all_tracks);
+  map_.removePoints(at_odds);
+  std::vector<Track> tracks;
+  for (const Track& track : all_tracks) {
+    if (std::find(at_odds.begin(), at_odds.end(), track.id) == at_odds.end()) {
+      tracks.push_back(track);
+    }
+  }
   // New points start at the median depth of the points that the same view holds already.
   std::vector<double> depths;
   for (const Track& track : tracks) {
@@ -264,7 +287,9 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
   }
   const double depth = median(std::move(depths), 1.0);
   map_.addKeyframe(keyframe, tracks, depth > 0.0 ? depth : 1.0, camera_);
-  return solveWindow();
+  std::vector<std::int64_t> outliers = solveWindow();
+  outliers.insert(outliers.end(), at_odds.begin(), at_odds.end());
+  return outliers;
 }
 
 // Where nothing tells the depths, such as while the camera turns on the spot, they and the scale

@@ -66,5 +66,14 @@ TEST(Relocalization, TilesThatRepeatAreNotTakenForAPlace) {
   expectCalibrationKept(outcome);
 }
 
+// People walk through the view: neither they nor their absence teach anything.
+TEST(Relocalization, ACrowdChangesNothing) {
+  const LossOutcome outcome = runLoss(LossKind::kCrowd, 6);
+  EXPECT_EQ(outcome.lost, 0);
+  EXPECT_EQ(outcome.map_id, 0u);
+  EXPECT_LT(outcome.position_error, 0.05);
+  expectCalibrationKept(outcome);
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

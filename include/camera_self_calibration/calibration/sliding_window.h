@@ -56,8 +56,8 @@ class SlidingWindow {
   PoseEstimate localize(const TrackedFrame& frame, const Rigid3& guess) const;
 
   /// Adds a keyframe (its pose a first guess; generation is set here), with the frame's tracks and
-  /// those that start in it, and solves the window. Returns the tracks that do not fit; they are
-  /// out of the map.
+  /// those that start in it, and solves the window. Returns the tracks that do not fit, before (the
+  /// pose, see movingTracks) or after; they are out of the map.
   std::vector<std::int64_t> addKeyframe(Keyframe keyframe, const std::vector<Track>& tracks);
 
   /// The rolling shutter's time between rows, which the map's pixels and those of frames to come
@@ -93,6 +93,8 @@ class SlidingWindow {
   void solveUnconditioned();
   const Keyframe* keyframeAt(std::int64_t stamp_ns) const;
   std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
+  std::vector<std::int64_t> tracksAtOdds(const Rigid3& pose,
+                                         const std::vector<Track>& tracks) const;
   double medianDepthOf(const Segment& solution, const Keyframe& newest) const;
   int conditioningCount() const;
   void keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth, Segment* segment) const;
