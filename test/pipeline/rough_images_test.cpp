@@ -13,6 +13,7 @@ struct Outcome {
   CalibrationReport report;
   double error_px = 0.0;
   double worst_z = 0.0;  // of the intrinsics
+  int lost = 0;
 };
 
 RoughVideo smallVideo() {
@@ -26,10 +27,14 @@ RoughVideo smallVideo() {
 Outcome calibrate(const RoughVideo& video, const Roughness& roughness) {
   Options options;
   options.model = video.model;
-  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, Callbacks());
+  Outcome outcome;
+  Callbacks callbacks;
+  callbacks.event = [&outcome](const Event& event) {
+    outcome.lost += event.type == EventType::kLost;
+  };
+  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
   const Camera truth =
       renderRough(video, roughness, [&](const ImageView& image) { calibrator.process(image); });
-  Outcome outcome;
   outcome.report = calibrator.calibration();
   outcome.error_px = pixelDistance(truth, outcome.report.camera).rms;
   for (Eigen::Index i = 0; i < outcome.report.covariance.rows(); ++i) {
@@ -47,6 +52,7 @@ void expectHonest(const Outcome& outcome) {
   EXPECT_EQ(outcome.report.state, CalibrationState::kConverged) << outcome.report.sentence;
   EXPECT_LT(outcome.error_px, 3.0 * outcome.report.uncertainty.rms);
   EXPECT_LT(outcome.worst_z, 4.0);
+  EXPECT_EQ(outcome.lost, 0);
 }
 
 TEST(RoughImages, RollingShutter) {
