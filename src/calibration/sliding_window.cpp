@@ -148,7 +148,7 @@ void SlidingWindow::solveUnconditioned() {
   const Rigid3 pose = newestPose();
   const double inverse_depth = newestInverseDepth(segment);
   Problem problem{&camera_, false, {freeBlock(&segment, camera_)}};
-  problem.blocks[0].depth_prior = depthPrior(segment);
+  problem.blocks[0].depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};
   if (!solve(problem, windowSolver()).usable) return;
   keepNewestPoseAndDepth(pose, inverse_depth, &segment);
   takeGeneration(&segment);
@@ -179,11 +179,6 @@ double SlidingWindow::medianDepthOf(const Segment& solution, const Keyframe& new
   }
   const double value = median(std::move(depths), 1.0);
   return value > 0.0 ? value : 1.0;
-}
-
-double SlidingWindow::typicalInverseDepth() const {
-  if (map_.keyframes().empty()) return 1.0;
-  return newestInverseDepth(map_.lastKeyframes(2, camera_));
 }
 
 std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Track& track) const {
@@ -292,16 +287,6 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
   return outliers;
 }
 
-// Where nothing tells the depths, such as while the camera turns on the spot, they and the scale
-// stay as they were when something told them last, and in front of the camera. The present ones
-// would not do: without true parallax, the noise of the translations lowers them with every
-// solution.
-DepthPrior SlidingWindow::depthPrior(const Segment& segment) const {
-  const double mean =
-      told_inverse_depth_ > 0.0 ? told_inverse_depth_ : std::abs(medianInverseDepth(segment));
-  return {mean, mean};
-}
-
 void SlidingWindow::rememberDepth(const Segment& segment, int fixed_keyframes) {
   const double depth = medianInverseDepth(segment);
   const Eigen::Vector3d newest = segment.keyframes.back().world_from_camera.translation;
@@ -327,7 +312,7 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
     if (baseline * newestInverseDepth(segment) > kSeparatedPoses) block.fixed_landmark = -1;
     block.fixed_keyframes = conditioning;
   }
-  block.depth_prior = depthPrior(segment);
+  block.depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};
   if (!solve({&camera_, false, {block}}, windowSolver()).usable) return outlier_ids;
   map_.update(segment);
   rememberDepth(segment, conditioning);

@@ -15,10 +15,6 @@ constexpr double kGoodFit = 2.0;
 // Frames in a row without a pose after which the map is given up.
 constexpr int kFramesUntilLost = 5;
 
-// Typical inverse depth beyond which, or below one over which, the scale has wandered off: hours of
-// rotation on the spot would end in numbers that no computer can hold.
-constexpr double kMaxInverseDepth = 1e6;
-
 SlidingWindowOptions windowOptions(const Options& options) {
   SlidingWindowOptions window;
   window.active_keyframes = options.sliding_window_keyframes;
@@ -244,8 +240,6 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
   if (seconds > 0.0 && keyframe.id > 0) keyframe.velocity = logSe3(last_motion_) / seconds;
   output->outliers = window_.addKeyframe(keyframe, whole.tracks);
   seekOlderMap(whole, describe, output);
-  const double depth = window_.typicalInverseDepth();
-  if (depth > kMaxInverseDepth || depth * kMaxInverseDepth < 1.0) scaleMap(depth);
   world_from_camera_ = window_.newestPose();
   keyframe_rule_.setKeyframe(whole);
   output->result.is_keyframe = true;

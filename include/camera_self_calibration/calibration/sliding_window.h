@@ -71,14 +71,10 @@ class SlidingWindow {
   /// Newest keyframe's pose; identity without any.
   Rigid3 newestPose() const;
 
-  /// Median size of the inverse depths in the newest keyframe [1/map unit], positive: the map's
-  /// scale, which is arbitrary and, where there is no parallax, wanders.
-  double typicalInverseDepth() const;
-
   /// Forgets the map, keeps the camera.
   void clear() {
     map_.clear();
-    told_inverse_depth_ = 0.0;
+    told_inverse_depth_ = 1.0;
   }
 
   /// Takes the map over into another world.
@@ -99,7 +95,6 @@ class SlidingWindow {
   int conditioningCount() const;
   void keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth, Segment* segment) const;
   void takeGeneration(Segment* segment) const;
-  DepthPrior depthPrior(const Segment& segment) const;
   void rememberDepth(const Segment& segment, int fixed_keyframes);
   std::vector<std::int64_t> solveWindow();
 
@@ -109,7 +104,11 @@ class SlidingWindow {
   bool trusted_ = false;
   std::map<std::uint64_t, Camera> generations_;  // of the keyframes in the map
   Map map_;
-  double told_inverse_depth_ = 0.0;  // median when parallax told it last; 0: never
+  // Median when parallax told it last; at first that of new points. Where nothing tells the depths,
+  // such as while the camera turns on the spot, they and the scale stay about there, and in front
+  // of the camera. The present median would not do: without true parallax, the noise of the
+  // translations lowers it with every solution.
+  double told_inverse_depth_ = 1.0;
 };
 
 }  // namespace camera_self_calibration
