@@ -16,6 +16,9 @@ constexpr int kReweightings = 6;
 // Share of min_parallax by which tracks must have moved before lost ones count: a person who walks
 // past a still camera takes tracks away, too.
 constexpr double kMovedShare = 0.25;
+// Share of the last keyframe's tracks below which new ones have to start even if nothing moves:
+// with the last tracks the pose would be lost.
+constexpr double kNearlyAllLost = 0.3;
 
 // A track in the last keyframe and now.
 struct Pair {
@@ -121,9 +124,9 @@ bool KeyframeRule::isKeyframe(const TrackedFrame& frame, const Camera& camera) c
   const Motion motion = measureMotion(pairs, camera);
   if (motion.parallax >= min_parallax) return true;
   if (motion.rotation >= options_.min_rotation_deg * M_PI / 180.0) return true;
-  const bool lost = static_cast<double>(pairs.size()) <
-                    options_.min_tracked_share * static_cast<double>(last_.tracks.size());
-  return lost && medianFlow(pairs) >= kMovedShare * min_parallax;
+  const double share = static_cast<double>(pairs.size()) / static_cast<double>(last_.tracks.size());
+  if (share < std::min(kNearlyAllLost, options_.min_tracked_share)) return true;
+  return share < options_.min_tracked_share && medianFlow(pairs) >= kMovedShare * min_parallax;
 }
 
 std::vector<std::string> KeyframeOptions::problems() const {
