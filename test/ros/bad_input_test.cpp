@@ -158,7 +158,6 @@ std::vector<std::string> valuesOf(const NodeOptions& options) {
                              1.0 * pipeline.max_queued_images,
                              pipeline.false_alarms_per_hour,
                              1.0 * pipeline.relocalization_keyframes,
-
                              pipeline.readout_s}) {
     values.push_back(std::to_string(value));
   }
@@ -220,9 +219,9 @@ TEST(ReadNodeOptions, EveryParameterOfTheFileIsRead) {
   std::vector<std::string> expected = {
       "plumb_bob",           "radtan", "raw",   "here",    "eye",
       "rational_polynomial", "fixed",  "pixel", "compare", "file:///mask.png"};
-  for (const double value : {400.0, 401.0, 320.0, 240.0, -0.2, 0.1, 0.0,  0.0, 0.01, 1.0, 0.0,
-                             1.0,   0.5,   2.5,   7.0,   99.0, 9.5, 0.02, 4.0, 0.6,  8.0, 9.0,
-                             6.0,   21.0,  1.0,   -30.5, 0.9,  0.4, 3.0,  5.0, 3.5}) {
+  for (const double value : {400.0, 401.0, 320.0, 240.0, -0.2, 0.1, 0.0,  0.0, 0.01, 1.0,  0.0,
+                             1.0,   0.5,   2.5,   7.0,   99.0, 9.5, 0.02, 4.0, 0.6,  8.0,  9.0,
+                             6.0,   21.0,  1.0,   -30.5, 0.9,  0.4, 3.0,  5.0, 3.5,  40.0, 0.025}) {
     expected.push_back(std::to_string(value));
   }
   EXPECT_EQ(valuesOf(reading.options), expected);
