@@ -20,6 +20,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/csv_rows.h"
 #include "benchmark/degenerate_trial.h"
 #include "benchmark/random_lens.h"
 
@@ -86,32 +87,6 @@ int runTrials(int first, int count) {
   return EXIT_SUCCESS;
 }
 
-using Row = std::map<std::string, std::string>;  // by the header's names
-
-std::vector<std::string> fields(const std::string& line) {
-  std::vector<std::string> result;
-  std::istringstream stream(line);
-  for (std::string field; std::getline(stream, field, ',');) result.push_back(field);
-  return result;
-}
-
-bool readRows(const std::string& file, std::vector<Row>* rows) {
-  std::ifstream stream(file);
-  std::string line;
-  if (!std::getline(stream, line)) return false;
-  const std::vector<std::string> names = fields(line);
-  while (std::getline(stream, line)) {
-    const std::vector<std::string> values = fields(line);
-    if (values.size() + 1 < names.size()) continue;  // a line that is still being written
-    Row row;
-    for (std::size_t i = 0; i < values.size(); ++i) row[names[i]] = values[i];
-    rows->push_back(row);
-  }
-  return true;
-}
-
-double number(const Row& row, const char* name) { return std::atof(row.at(name).c_str()); }
-
 double median(std::vector<double> values) {
   if (values.empty()) return -1.0;
   std::sort(values.begin(), values.end());
@@ -126,7 +101,7 @@ struct Tally {
   std::string states;
   std::vector<double> recovered_s, fresh_s, ratio_ms, ratio_kb;
 
-  void add(const Row& row) {
+  void add(const CsvRow& row) {
     ++trials;
     converged += number(row, "converged_s") >= 0.0;
     wrong += number(row, "false_converged") != 0.0;
@@ -168,15 +143,15 @@ void print(const std::string& name, const Tally& t) {
 }
 
 int printTable(const std::vector<std::string>& files) {
-  std::vector<Row> rows;
+  std::vector<CsvRow> rows;
   for (const std::string& file : files) {
-    if (readRows(file, &rows)) continue;
+    if (readCsvRows(file, &rows)) continue;
     std::cerr << "cannot read " << file << "\n";
     return EXIT_FAILURE;
   }
   std::map<std::string, Tally> groups;
   Tally all;
-  for (const Row& row : rows) {
+  for (const CsvRow& row : rows) {
     groups[row.at("motion")].add(row);
     all.add(row);
   }

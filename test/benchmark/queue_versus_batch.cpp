@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/program_arguments.h"
 #include "benchmark/random_sequence.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/median.h"
@@ -24,9 +25,9 @@ namespace camera_self_calibration {
 namespace {
 
 struct Arguments {
-  int sequences = 32;
-  std::uint64_t first_seed = 1;
-  double seconds = 60.0;
+  int sequences = 0;
+  std::uint64_t first_seed = 0;
+  double seconds = 0.0;
   std::string trajectories;
 };
 
@@ -215,22 +216,16 @@ int run(const Arguments& arguments) {
 }
 
 std::optional<Arguments> parse(int argc, char** argv) {
+  const auto values = readArguments(
+      argc, argv,
+      {{"--sequences", "32"}, {"--first-seed", "1"}, {"--seconds", "60"}, {"--trajectories", ""}});
+  if (!values) return std::nullopt;
   Arguments arguments;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string name = argv[i];
-    if (name == "--sequences") {
-      arguments.sequences = std::atoi(argv[i + 1]);
-    } else if (name == "--first-seed") {
-      arguments.first_seed = std::strtoull(argv[i + 1], nullptr, 10);
-    } else if (name == "--seconds") {
-      arguments.seconds = std::atof(argv[i + 1]);
-    } else if (name == "--trajectories") {
-      arguments.trajectories = argv[i + 1];
-    } else {
-      return std::nullopt;
-    }
-  }
-  return argc % 2 == 1 ? std::make_optional(arguments) : std::nullopt;
+  arguments.sequences = std::stoi(values->at("--sequences"));
+  arguments.first_seed = std::stoull(values->at("--first-seed"));
+  arguments.seconds = std::stod(values->at("--seconds"));
+  arguments.trajectories = values->at("--trajectories");
+  return arguments;
 }
 
 }  // namespace
@@ -238,11 +233,6 @@ std::optional<Arguments> parse(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const auto arguments = camera_self_calibration::parse(argc, argv);
-  if (!arguments) {
-    std::fprintf(stderr,
-                 "queue_versus_batch [--sequences 32] [--first-seed 1] [--seconds 60] "
-                 "[--trajectories FOLDER]\n");
-    return 1;
-  }
+  if (!arguments) return 1;
   return camera_self_calibration::run(*arguments);
 }

@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/program_arguments.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/median.h"
@@ -26,11 +27,11 @@ namespace camera_self_calibration {
 namespace {
 
 struct Arguments {
-  int trials = 40;
-  std::uint64_t first_seed = 1;
-  double seconds = 15.0;
-  std::string shutter = "auto";
-  std::string readouts_ms = "0,10,15,30";
+  int trials = 0;
+  std::uint64_t first_seed = 0;
+  double seconds = 0.0;
+  std::string shutter;
+  std::string readouts_ms;
 };
 
 struct Row {
@@ -125,26 +126,22 @@ int run(const Arguments& arguments) {
 }
 
 std::optional<Arguments> parse(int argc, char** argv) {
+  const auto values = readArguments(argc, argv,
+                                    {{"--trials", "40"},
+                                     {"--first-seed", "1"},
+                                     {"--seconds", "15"},
+                                     {"--shutter", "auto"},
+                                     {"--readouts", "0,10,15,30"}});
+  if (!values) return std::nullopt;
   Arguments arguments;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string name = argv[i];
-    if (name == "--trials") {
-      arguments.trials = std::atoi(argv[i + 1]);
-    } else if (name == "--first-seed") {
-      arguments.first_seed = std::strtoull(argv[i + 1], nullptr, 10);
-    } else if (name == "--seconds") {
-      arguments.seconds = std::atof(argv[i + 1]);
-    } else if (name == "--shutter") {
-      arguments.shutter = argv[i + 1];
-    } else if (name == "--readouts") {
-      arguments.readouts_ms = argv[i + 1];
-    } else {
-      return std::nullopt;
-    }
-  }
+  arguments.trials = std::stoi(values->at("--trials"));
+  arguments.first_seed = std::stoull(values->at("--first-seed"));
+  arguments.seconds = std::stod(values->at("--seconds"));
+  arguments.shutter = values->at("--shutter");
+  arguments.readouts_ms = values->at("--readouts");
   Options scratch;
-  const bool sound = argc % 2 == 1 && setRollingShutter(arguments.shutter, &scratch);
-  return sound ? std::make_optional(arguments) : std::nullopt;
+  return setRollingShutter(arguments.shutter, &scratch) ? std::make_optional(arguments)
+                                                        : std::nullopt;
 }
 
 }  // namespace
@@ -152,11 +149,6 @@ std::optional<Arguments> parse(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const auto arguments = camera_self_calibration::parse(argc, argv);
-  if (!arguments) {
-    std::fprintf(stderr,
-                 "rolling_shutter_benchmark [--trials 40] [--first-seed 1] [--seconds 15] "
-                 "[--shutter auto|off|SECONDS] [--readouts 0,10,15,30]\n");
-    return 1;
-  }
+  if (!arguments) return 1;
   return camera_self_calibration::run(*arguments);
 }

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/program_arguments.h"
 #include "benchmark/rough_sequence.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/median.h"
@@ -24,9 +25,9 @@ namespace {
 
 struct Arguments {
   std::string kinds;  ///< Names with commas between them; empty: all.
-  int sequences = 8;
-  std::uint64_t first_seed = 1;
-  double seconds = 30.0;
+  int sequences = 0;
+  std::uint64_t first_seed = 0;
+  double seconds = 0.0;
   bool estimate_readout = true;
 };
 
@@ -138,25 +139,20 @@ int run(const Arguments& arguments) {
 }
 
 std::optional<Arguments> parse(int argc, char** argv) {
+  const auto values = readArguments(argc, argv,
+                                    {{"--kinds", ""},
+                                     {"--sequences", "8"},
+                                     {"--first-seed", "1"},
+                                     {"--seconds", "30"},
+                                     {"--shutter", "auto"}});
+  if (!values) return std::nullopt;
   Arguments arguments;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string name = argv[i];
-    const std::string value = argv[i + 1];
-    if (name == "--kinds") {
-      arguments.kinds = value;
-    } else if (name == "--sequences") {
-      arguments.sequences = std::atoi(value.c_str());
-    } else if (name == "--first-seed") {
-      arguments.first_seed = std::strtoull(value.c_str(), nullptr, 10);
-    } else if (name == "--seconds") {
-      arguments.seconds = std::atof(value.c_str());
-    } else if (name == "--shutter" && (value == "auto" || value == "off")) {
-      arguments.estimate_readout = value == "auto";
-    } else {
-      return std::nullopt;
-    }
-  }
-  return argc % 2 == 1 ? std::make_optional(arguments) : std::nullopt;
+  arguments.kinds = values->at("--kinds");
+  arguments.sequences = std::stoi(values->at("--sequences"));
+  arguments.first_seed = std::stoull(values->at("--first-seed"));
+  arguments.seconds = std::stod(values->at("--seconds"));
+  arguments.estimate_readout = values->at("--shutter") == "auto";
+  return arguments;
 }
 
 }  // namespace
@@ -164,11 +160,6 @@ std::optional<Arguments> parse(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   const auto arguments = camera_self_calibration::parse(argc, argv);
-  if (!arguments) {
-    std::fprintf(stderr,
-                 "rough_images_benchmark [--kinds NAME,NAME] [--sequences 8] [--first-seed 1] "
-                 "[--seconds 30] [--shutter auto|off]\n");
-    return 1;
-  }
+  if (!arguments) return 1;
   return camera_self_calibration::run(*arguments);
 }

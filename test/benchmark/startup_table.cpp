@@ -7,37 +7,13 @@
 #include <map>
 #include <sstream>
 
+#include "benchmark/csv_rows.h"
+
 namespace camera_self_calibration {
 namespace {
 
 // Costs that exceed the optimum's by less are at the optimum.
 constexpr double kExcessCost = 0.002;
-
-using Row = std::map<std::string, std::string>;  // by the header's names
-
-std::vector<std::string> fields(const std::string& line) {
-  std::vector<std::string> result;
-  std::istringstream stream(line);
-  for (std::string field; std::getline(stream, field, ',');) result.push_back(field);
-  return result;
-}
-
-bool readRows(const std::string& file, std::vector<Row>* rows) {
-  std::ifstream stream(file);
-  std::string line;
-  if (!std::getline(stream, line)) return false;
-  const std::vector<std::string> names = fields(line);
-  while (std::getline(stream, line)) {
-    const std::vector<std::string> values = fields(line);
-    if (values.size() != names.size()) continue;  // a line that is still being written
-    Row row;
-    for (std::size_t i = 0; i < names.size(); ++i) row[names[i]] = values[i];
-    rows->push_back(row);
-  }
-  return true;
-}
-
-double number(const Row& row, const char* name) { return std::atof(row.at(name).c_str()); }
 
 // What the rows of a table count.
 struct Tally {
@@ -51,7 +27,7 @@ struct Tally {
   int early = 0;  // handed over while there was nothing to learn from
   std::vector<double> converged_s, error_px, slowdown;
 
-  void add(const Row& row) {
+  void add(const CsvRow& row) {
     const bool is_converged = row.at("state") == "CONVERGED";
     const bool is_informed = number(row, "optimum_rms_px") <= number(row, "threshold_px");
     ++trials;
@@ -87,10 +63,10 @@ void print(const std::string& name, const Tally& tally) {
               median(tally.error_px), median(tally.slowdown));
 }
 
-void printTable(const std::string& series, const std::vector<Row>& rows) {
+void printTable(const std::string& series, const std::vector<CsvRow>& rows) {
   std::map<std::string, Tally> groups;
   Tally all;
-  for (const Row& row : rows) {
+  for (const CsvRow& row : rows) {
     groups[row.at("group")].add(row);
     all.add(row);
   }
@@ -122,14 +98,14 @@ std::string csvLine(const TrialRecord& record) {
 }
 
 bool printTables(const std::vector<std::string>& files) {
-  std::vector<Row> rows;
+  std::vector<CsvRow> rows;
   for (const std::string& file : files) {
-    if (readRows(file, &rows)) continue;
+    if (readCsvRows(file, &rows)) continue;
     std::cerr << "cannot read " << file << "\n";
     return false;
   }
-  std::map<std::string, std::vector<Row>> by_series;
-  for (const Row& row : rows) by_series[row.at("series")].push_back(row);
+  std::map<std::string, std::vector<CsvRow>> by_series;
+  for (const CsvRow& row : rows) by_series[row.at("series")].push_back(row);
   for (const auto& [series, its_rows] : by_series) printTable(series, its_rows);
   return true;
 }
