@@ -232,7 +232,7 @@ bool BackEnd::offer(const Candidate& candidate) {
   ++report_.queue.swaps;
   estimate_.remove(decision.replaced);
   estimate_.add(candidate);
-  queue_asks_row_time_ = true;
+  ++swaps_since_row_time_;
   return true;
 }
 

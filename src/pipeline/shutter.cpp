@@ -11,6 +11,8 @@ namespace {
 
 // Keyframes more in the startup batch, after which it is asked again.
 constexpr int kKeyframesBetween = 3;
+// Changes of the queue after which it is asked again, which takes three solutions of the queue.
+constexpr int kSwapsBetween = 5;
 
 void freeOf(double row_time_s, int image_height, Segment* segment) {
   if (segment->keyframes.empty() || segment->keyframes.front().row_time_s == row_time_s) return;
@@ -31,8 +33,9 @@ void BackEnd::considerRowTime() {
   if (!options_.estimate_readout) return;
   RowTimeEstimate estimate;
   if (handed_over_) {
-    if (!queue_asks_row_time_ || !solution_.usable) return;
-    queue_asks_row_time_ = false;
+    const int wanted = row_time_.settled() ? kSwapsBetween : 1;
+    if (swaps_since_row_time_ < wanted || !solution_.usable) return;
+    swaps_since_row_time_ = 0;
     estimate = estimate_.rowTime(solution_, row_time_.step());
   } else {
     const int keyframes = startup_.keyframesAdded();
@@ -65,7 +68,7 @@ void BackEnd::adoptRowTime() {
     offer(anew);
   }
   report_.queue.swaps = swaps;
-  queue_asks_row_time_ = false;
+  swaps_since_row_time_ = 0;
   if (!estimate_.candidates().empty()) solveQueue();
   changed_ = true;
 }

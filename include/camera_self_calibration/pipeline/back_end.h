@@ -95,7 +95,7 @@ class BackEnd {
   ChangeDetector detector_;
   RowTime row_time_;
   int row_time_keyframes_ = 0;        // of the startup batch, when it was asked last
-  bool queue_asks_row_time_ = false;  // the queue has changed since it was asked
+  int swaps_since_row_time_ = 0;  // changes of the queue since it was asked for the row time
   SettingArchive settings_;           // of earlier epochs
   std::int64_t epoch_onset_ns_ = 0;   // keyframes before it are of an earlier epoch
   bool handed_over_ = false;
