@@ -14,8 +14,8 @@
 namespace camera_self_calibration {
 namespace {
 
-// Disagreement of the queue's segments that is more likely than this is chance: the sigmas are right
-// and the inflation is no estimate of a variance.
+// Disagreement of the queue's segments that is more likely than this is chance: the sigmas are
+// right and the inflation is no estimate of a variance.
 constexpr double kByChance = 0.05;
 
 // Evidence of one block at its present state.

@@ -10,7 +10,6 @@
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
 #include "camera_self_calibration/estimation/solver.h"
-#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/map/map.h"
 
 namespace camera_self_calibration {
@@ -43,21 +42,17 @@ double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
         !landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr)) {
       continue;
     }
-    depths.push_back(std::abs(
-        transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera, ray,
-                             landmark.inverse_depth, segment.keyframes[k].world_from_camera)));
+    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
+                                          ray, landmark.inverse_depth,
+                                          segment.keyframes[k].world_from_camera));
   }
-  const double middle = median(std::move(depths), 1.0);
-  return middle > 0.0 ? middle : 1.0;
+  return typicalInverseDepth(std::move(depths));
 }
 
 void restartRunawayDepths(double max_ratio, Segment* segment) {
   std::vector<double> depths;
-  for (const Landmark& landmark : segment->landmarks) {
-    depths.push_back(std::abs(landmark.inverse_depth));
-  }
-  const double middle = median(std::move(depths), 1.0);
-  const double typical = middle > 0.0 ? middle : 1.0;
+  for (const Landmark& landmark : segment->landmarks) depths.push_back(landmark.inverse_depth);
+  const double typical = typicalInverseDepth(std::move(depths));
   for (Landmark& landmark : segment->landmarks) {
     if (!(landmark.inverse_depth > 0.0) || landmark.inverse_depth > max_ratio * typical) {
       landmark.inverse_depth = typical;

@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
@@ -10,7 +9,6 @@
 
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
-#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/map/map.h"
 
 namespace camera_self_calibration {
@@ -69,12 +67,11 @@ double Assembly::medianDepth(int k) const {
   for (const auto& [track_id, record] : tracks_) {
     if (record.solved == nullptr || record.sightings.count(k) == 0) continue;
     const Landmark& landmark = record.landmark;
-    depths.push_back(std::abs(transferInverseDepth(
+    depths.push_back(transferInverseDepth(
         record.solved->keyframes[landmark.reference].world_from_camera, landmark.bearing,
-        landmark.inverse_depth, result_.keyframes[k].world_from_camera)));
+        landmark.inverse_depth, result_.keyframes[k].world_from_camera));
   }
-  const double middle = median(std::move(depths), 1.0);
-  return middle > 0.0 ? middle : 1.0;
+  return typicalInverseDepth(std::move(depths));
 }
 
 void Assembly::place(const TrackRecord& record, int reference, const Camera* camera,

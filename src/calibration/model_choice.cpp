@@ -9,8 +9,8 @@
 #include <set>
 
 #include "camera_self_calibration/calibration/held_out.h"
-#include "camera_self_calibration/map/rolling_shutter.h"
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
 namespace {

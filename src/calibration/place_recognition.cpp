@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "camera_self_calibration/estimation/pose_solver.h"
+#include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -34,12 +35,7 @@ Rigid3 turnedTo(const Place& place, const std::vector<SeenAgain>& sample, const 
     correlation += directionFrom(seen.point, place.world_from_camera.translation).normalized() *
                    ray->transpose();
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Matrix3d handed = Eigen::Matrix3d::Identity();
-  handed(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
-  const Eigen::Matrix3d rotation = svd.matrixU() * handed * svd.matrixV().transpose();
-  return {Eigen::Quaterniond(rotation), place.world_from_camera.translation};
+  return {Eigen::Quaterniond(nearestRotation(correlation)), place.world_from_camera.translation};
 }
 
 std::vector<SeenAgain> agreeing(const std::vector<SeenAgain>& matches, const Rigid3& pose,

@@ -10,7 +10,6 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Keyframes of a map before its depths are worth anything.
 constexpr int kMinKeyframes = 4;
 // Every so many keyframes one is remembered.
@@ -27,7 +26,7 @@ constexpr std::size_t kMinSightings = 3;
 constexpr std::size_t kMinDepths = 10;
 constexpr double kMaxScaleError = 0.02;
 // How far two keyframes may disagree.
-constexpr double kMaxAngle = 2.0 * kPi / 180.0;
+constexpr double kMaxAngle = 2.0 * M_PI / 180.0;
 constexpr double kMaxDistance = 0.05;  // [median depths]
 
 // Logarithm of lengths in the old map over those in the new one, for each point that both know.

@@ -1,7 +1,6 @@
 #include "camera_self_calibration/calibration/sliding_window.h"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <utility>
 
@@ -67,21 +66,18 @@ Rigid3 SlidingWindow::newestPose() const {
   return map_.keyframes().empty() ? Rigid3() : map_.keyframes().back().world_from_camera;
 }
 
-// Median size of the inverse depths, in the segment's last keyframe, of the landmarks seen there.
-// In rotation on the spot half of them may be negative; a median that loses its sign would let the
-// scale run away.
+// In the segment's last keyframe, of the landmarks that are seen there.
 static double newestInverseDepth(const Segment& segment) {
   std::vector<double> depths;
   const int last = static_cast<int>(segment.keyframes.size()) - 1;
   for (const Observation& observation : segment.observations) {
     if (observation.keyframe != last) continue;
     const Landmark& landmark = segment.landmarks[observation.landmark];
-    depths.push_back(std::abs(transferInverseDepth(
-        segment.keyframes[landmark.reference].world_from_camera, landmark.bearing,
-        landmark.inverse_depth, segment.keyframes[last].world_from_camera)));
+    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
+                                          landmark.bearing, landmark.inverse_depth,
+                                          segment.keyframes[last].world_from_camera));
   }
-  const double value = median(std::move(depths), 1.0);
-  return value > 0.0 ? value : 1.0;
+  return typicalInverseDepth(std::move(depths));
 }
 
 void SlidingWindow::keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth,
@@ -175,10 +171,9 @@ double SlidingWindow::medianDepthOf(const Segment& solution, const Keyframe& new
     const auto found = map_.points().find(solution.landmarks[observation.landmark].track_id);
     if (found == map_.points().end()) continue;
     const auto depth = map_.inverseDepthFrom(newest.world_from_camera, found->second, camera_);
-    if (depth) depths.push_back(std::abs(*depth));
+    if (depth) depths.push_back(*depth);
   }
-  const double value = median(std::move(depths), 1.0);
-  return value > 0.0 ? value : 1.0;
+  return typicalInverseDepth(std::move(depths));
 }
 
 std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Track& track) const {
@@ -278,10 +273,10 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
     const auto found = map_.points().find(track.id);
     if (found == map_.points().end()) continue;
     const auto known = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
-    if (known) depths.push_back(std::abs(*known));
+    if (known) depths.push_back(*known);
   }
-  const double depth = median(std::move(depths), 1.0);
-  map_.addKeyframe(keyframe, tracks, depth > 0.0 ? depth : 1.0, camera_);
+  const double depth = typicalInverseDepth(std::move(depths));
+  map_.addKeyframe(keyframe, tracks, depth, camera_);
   std::vector<std::int64_t> outliers = solveWindow();
   outliers.insert(outliers.end(), at_odds.begin(), at_odds.end());
   return outliers;

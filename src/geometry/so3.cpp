@@ -1,5 +1,7 @@
 #include "camera_self_calibration/geometry/so3.h"
 
+#include <Eigen/LU>
+#include <Eigen/SVD>
 #include <cmath>
 
 namespace camera_self_calibration {
@@ -27,6 +29,14 @@ Eigen::Vector3d logSo3(const Eigen::Quaterniond& q) {
   const double half_angle = std::atan2(sine, sign * q.w());
   const double scale = sine < 1e-9 ? 2.0 : 2.0 * half_angle / sine;
   return sign * scale * q.vec();
+}
+
+Eigen::Matrix3d nearestRotation(const Eigen::Matrix3d& correlation) {
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Vector3d signs(1.0, 1.0, 1.0);
+  signs.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
 }
 
 }  // namespace camera_self_calibration

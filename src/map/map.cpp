@@ -1,6 +1,7 @@
 #include "camera_self_calibration/map/map.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "camera_self_calibration/geometry/median.h"
@@ -20,6 +21,12 @@ double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector
   const Eigen::Vector3d offset = world_from_anchor.translation - world_from_other.translation;
   const Eigen::Vector3d point = world_from_anchor.rotation * ray + inverse_depth * offset;
   return inverse_depth / std::max(point.norm(), 1e-9);
+}
+
+double typicalInverseDepth(std::vector<double> inverse_depths) {
+  for (double& depth : inverse_depths) depth = std::abs(depth);
+  const double middle = median(std::move(inverse_depths), 1.0);
+  return middle > 0.0 ? middle : 1.0;
 }
 
 void Map::addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks,

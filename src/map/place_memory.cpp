@@ -6,8 +6,7 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kSameViewAngle = 10.0 * kPi / 180.0;
+constexpr double kSameViewAngle = 10.0 * M_PI / 180.0;
 constexpr double kSameViewDistance = 0.1;  // [median depths]
 constexpr std::size_t kMinSightings = 3;   // of a point whose depth can be relied on
 

@@ -10,11 +10,12 @@
 #include "camera_self_calibration/tools/report_html.h"
 #include "camera_self_calibration/tools/report_text.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
+#include "command_line.h"
 
 namespace camera_self_calibration {
 namespace {
 
-enum ExitCode { kConverged = 0, kError = 1, kNotConverged = 2, kNoImages = 3 };
+enum ExitCode { kConverged = 0, kNotConverged = 2, kNoImages = 3 };  // and that of runProgram
 
 void write(const CalibrateBagArguments& arguments, const std::string& name,
            const Recording& recording, const TrajectoryResults& trajectory) {
@@ -56,11 +57,6 @@ int run(const CalibrateBagArguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace camera_self_calibration;
-  try {
-    const auto arguments = parseCalibrateBagArguments(argc, argv);
-    return arguments ? run(*arguments) : 0;
-  } catch (const std::exception& e) {
-    std::cerr << "calibrate_bag: " << e.what() << '\n';
-    return kError;
-  }
+  return runProgram(
+      "calibrate_bag", [&] { return parseCalibrateBagArguments(argc, argv); }, run);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <boost/program_options.hpp>
+#include <exception>
 #include <iostream>
 #include <optional>
 #include <string>
@@ -23,6 +24,19 @@ inline std::optional<boost::program_options::variables_map> readCommandLine(
   if (given.count("help") == 0) return given;
   std::cout << usage << '\n' << all;
   return std::nullopt;
+}
+
+/// A program: `parse` gives its arguments, or nothing where help was asked for, and `run` the exit
+/// code. What either throws is printed after the program's name; exit code 1.
+template <typename Parse, typename Run>
+int runProgram(const char* name, Parse parse, Run run) {
+  try {
+    const auto arguments = parse();
+    return arguments ? run(*arguments) : 0;
+  } catch (const std::exception& e) {
+    std::cerr << name << ": " << e.what() << '\n';
+    return 1;
+  }
 }
 
 }  // namespace camera_self_calibration

@@ -96,11 +96,6 @@ std::optional<Arguments> parse(int argc, const char* const* argv) {
 
 int main(int argc, char** argv) {
   using namespace camera_self_calibration;
-  try {
-    const auto arguments = parse(argc, argv);
-    return arguments ? run(*arguments) : 0;
-  } catch (const std::exception& e) {
-    std::cerr << "compare_calibration: " << e.what() << '\n';
-    return 1;
-  }
+  return runProgram(
+      "compare_calibration", [&] { return parse(argc, argv); }, run);
 }

@@ -3,24 +3,15 @@
 #include <yaml-cpp/yaml.h>
 
 #include <stdexcept>
+#include <string>
 
 #include "format_text.h"
 
 namespace camera_self_calibration {
 namespace {
 
-const char* distortionName(CameraModel model) {
-  switch (model) {
-    case CameraModel::kPinhole:
-      return "none";
-    case CameraModel::kFov:
-      return "fov";
-    case CameraModel::kRadtan:
-      return "radtan";
-    case CameraModel::kEquidistant:
-      return "equidistant";
-  }
-  return "none";
+std::string distortionName(CameraModel model) {
+  return model == CameraModel::kPinhole ? "none" : toString(model);
 }
 
 CameraModel modelOf(const std::string& projection, const std::string& distortion) {

@@ -1,12 +1,12 @@
 #include "camera_self_calibration/tracking/keyframe_rule.h"
 
 #include <Eigen/Core>
-#include <Eigen/LU>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <unordered_map>
+
+#include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -65,17 +65,13 @@ std::vector<RayPair> unproject(const std::vector<Pair>& pairs, const Camera& cam
   return rays;
 }
 
-// The rotation that minimises sum w |now - R before|^2 (Kabsch).
+// The rotation that minimises sum w |now - R before|^2.
 Eigen::Matrix3d alignRays(const std::vector<RayPair>& rays, const std::vector<double>& weights) {
   Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
   for (std::size_t i = 0; i < rays.size(); ++i) {
     correlation += weights[i] * rays[i].now * rays[i].before.transpose();
   }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Vector3d signs(1.0, 1.0, 1.0);
-  signs.z() = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  return svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
+  return nearestRotation(correlation);
 }
 
 Eigen::Matrix3d robustRotation(const std::vector<RayPair>& rays) {

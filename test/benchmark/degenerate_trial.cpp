@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "benchmark/trial_tracks.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
@@ -99,14 +100,8 @@ class Runner {
                                                           trial_.degenerate_s, trial_.seed)
                                 : makeDegenerateScene(trial_.degeneracy, trial_.degenerate_s,
                                                       trial_.good_s, trial_.seed);
-    FeatureTracksOptions options;
-    options.seed = trial_.seed;
-    options.max_features = 100;
-    options.pixel_sigma = random_.uniform(0.1, 0.3);
-    options.outlier_share = random_.uniform(0.0, 0.02);
-    options.start_stamp_ns = kStartNs;
     return FeatureTracks(std::move(scene.world), Lens{trial_.truth, std::nullopt, 1.0},
-                         std::move(scene.trajectory), options);
+                         std::move(scene.trajectory), trialTracks(trial_.seed, kStartNs, &random_));
   }
 
   Callbacks callbacks() {

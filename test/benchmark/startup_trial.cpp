@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "benchmark/trial_optimum.h"
+#include "benchmark/trial_tracks.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
@@ -59,14 +60,8 @@ class Runner {
   FeatureTracks makeTracks() {
     TrialScene scene =
         makeScene(trial_.scene, trial_.good_s, trial_.idle, trial_.idle_s, trial_.seed);
-    FeatureTracksOptions options;
-    options.seed = trial_.seed;
-    options.max_features = 100;
-    options.pixel_sigma = random_.uniform(0.1, 0.3);
-    options.outlier_share = random_.uniform(0.0, 0.02);
-    options.start_stamp_ns = kStartNs;
     return FeatureTracks(std::move(scene.world), Lens{trial_.truth, std::nullopt, 1.0},
-                         std::move(scene.trajectory), options);
+                         std::move(scene.trajectory), trialTracks(trial_.seed, kStartNs, &random_));
   }
 
   Callbacks callbacks() {

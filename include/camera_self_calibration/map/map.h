@@ -115,6 +115,10 @@ class Map {
 /// The pixel at which a point was seen in a keyframe; null if it was not.
 const Map::Sighting* sightingIn(const Map::Point& point, std::int64_t keyframe_id);
 
+/// Median size of inverse depths [1/map unit], positive; 1 if there are none. In rotation on the
+/// spot half of them may be negative: a median that loses its sign would let the scale run away.
+double typicalInverseDepth(std::vector<double> inverse_depths);
+
 /// Inverse depth of a point along its own ray in another keyframe: `rho' = rho / |x|` with x as in
 /// eq. 1.
 double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector3d& ray,
