@@ -88,6 +88,7 @@ void FrontEnd::scaleMap(double factor) {
   world_from_camera_ = scaled * world_from_camera_;
   last_motion_.translation *= factor;
   relocalizer_.scaleMap(map_id_, next_map_id_, factor);
+  moved_ = MapMove{map_id_, next_map_id_, scaled};
   map_id_ = next_map_id_++;
 }
 
@@ -121,6 +122,7 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& seen,
   for (Event& event : output.events) event.epoch = epoch_;
   output.result.state = state_;
   output.result.map_id = map_id_;
+  output.result.moved = std::exchange(moved_, std::nullopt);
   output.result.world_from_camera = world_from_camera_;
   output.result.calibration_revision = window_.generation();
   if (output.result.sentence.empty()) {
@@ -215,6 +217,7 @@ void FrontEnd::seekOlderMap(const TrackedFrame& whole, const Describe& describe,
                                                   whole.tracks, knows_lens, describe);
   if (!relocation) return;
   const std::uint64_t left = std::exchange(map_id_, relocation->map_id);
+  moved_ = MapMove{left, map_id_, relocation->old_from_new};
   window_.move(relocation->old_from_new);
   last_motion_.translation *= relocation->old_from_new.scale;
   output->result.pose_covariance.topRows<3>() *= relocation->old_from_new.scale;

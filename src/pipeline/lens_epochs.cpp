@@ -11,7 +11,7 @@ namespace {
 
 std::string describe(const Event& event) {
   char buffer[120];
-  std::snprintf(buffer, sizeof(buffer), ": by %.2f px rms over the image, %.1f s ago",
+  std::snprintf(buffer, sizeof(buffer), ": by %.2f px rms over the image, noticed after %.1f s",
                 event.magnitude_px,
                 1e-9 * static_cast<double>(event.stamp_ns - event.onset_stamp_ns));
   return buffer;

@@ -37,6 +37,21 @@ Colour stateColour(CalibrationState state) {
   return rgb(128, 134, 145);
 }
 
+Colour eventColour(EventType type) {
+  switch (type) {
+    case EventType::kCalibrationChange:
+    case EventType::kLost:
+      return stateColour(CalibrationState::kDegenerate);
+    case EventType::kConverged:
+    case EventType::kRelocalized:
+      return stateColour(CalibrationState::kConverged);
+    case EventType::kHandover:
+    case EventType::kInput:
+      break;
+  }
+  return stateColour(CalibrationState::kInitializing);
+}
+
 Colour scoreColour(double share) {
   static const std::array<Colour, 5> stops = {
       rgb(253, 231, 37), rgb(94, 201, 98), rgb(33, 145, 140), rgb(64, 92, 160), rgb(104, 52, 140)};

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <optional>
+#include <sstream>
+#include <string>
 
 namespace camera_self_calibration {
 namespace {
@@ -13,6 +16,10 @@ const Colour kNew(40, 150, 255);
 const Colour kOld(90, 220, 110);
 // OpenCV's fixed-point coordinates: 1/16 px.
 constexpr int kShift = 4;
+constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
+constexpr double kFontScale = 0.48;
+
+int strokeOf(double size) { return std::max(1, static_cast<int>(size)); }
 
 cv::Point fixed(const Eigen::Vector2d& pixel) {
   return {static_cast<int>(std::lround(pixel.x() * 16.0)),
@@ -24,27 +31,56 @@ void drawTrail(const TrackTrails::Trail& trail, double size, cv::Mat* picture) {
   const Colour colour = kNew * (1.0 - age) + kOld * age;
   std::vector<cv::Point> points;
   for (const Eigen::Vector2d& pixel : trail.pixels) points.push_back(fixed(pixel));
-  cv::polylines(*picture, points, false, colour, std::max(1, static_cast<int>(size)), cv::LINE_AA,
-                kShift);
+  cv::polylines(*picture, points, false, colour, strokeOf(size), cv::LINE_AA, kShift);
   const int radius = static_cast<int>(std::lround(2.2 * size * 16.0));
   cv::circle(*picture, points.back(), radius + 16, Colour(20, 20, 20), cv::FILLED, cv::LINE_AA,
              kShift);
   cv::circle(*picture, points.back(), radius, colour, cv::FILLED, cv::LINE_AA, kShift);
 }
 
+/// A line of a caption; only its first has a dot.
+struct CaptionLine {
+  std::optional<Colour> dot;
+  std::string text;
+};
+
+/// Broken between words where it is wider than `width` [px].
+std::vector<CaptionLine> linesOf(const Caption& caption, double size, int width) {
+  std::vector<CaptionLine> lines = {{caption.colour, ""}};
+  std::istringstream words(caption.text);
+  for (std::string word; words >> word;) {
+    const std::string& begun = lines.back().text;
+    const std::string longer = begun.empty() ? word : begun + " " + word;
+    const int stroke = strokeOf(size);
+    if (begun.empty() ||
+        cv::getTextSize(longer, kFont, kFontScale * size, stroke, nullptr).width <= width) {
+      lines.back().text = longer;
+    } else {
+      lines.push_back({std::nullopt, word});
+    }
+  }
+  return lines;
+}
+
 /// One below the other on a darkened strip at the lower border.
 void drawCaptions(const std::vector<Caption>& captions, double size, cv::Mat* picture) {
   const int line = static_cast<int>(std::lround(20.0 * size));
-  const int height = std::min(picture->rows, line * static_cast<int>(captions.size()) + line / 3);
-  if (captions.empty()) return;
+  std::vector<CaptionLine> lines;
+  for (const Caption& caption : captions) {
+    const std::vector<CaptionLine> own = linesOf(caption, size, picture->cols - 3 * line / 2);
+    lines.insert(lines.end(), own.begin(), own.end());
+  }
+  if (lines.empty()) return;
+  const int height = std::min(picture->rows, line * static_cast<int>(lines.size()) + line / 3);
   cv::Mat strip = picture->rowRange(picture->rows - height, picture->rows);
   strip.convertTo(strip, -1, 0.35);
-  for (std::size_t i = 0; i < captions.size(); ++i) {
+  for (std::size_t i = 0; i < lines.size(); ++i) {
     const int y = line * static_cast<int>(i) + line * 2 / 3;
-    cv::circle(strip, {line / 2, y}, line / 4, captions[i].colour, cv::FILLED, cv::LINE_AA);
-    cv::putText(strip, captions[i].text, {line, y + line / 4}, cv::FONT_HERSHEY_SIMPLEX,
-                0.48 * size, Colour(240, 240, 240), std::max(1, static_cast<int>(size)),
-                cv::LINE_AA);
+    if (lines[i].dot) {
+      cv::circle(strip, {line / 2, y}, line / 4, *lines[i].dot, cv::FILLED, cv::LINE_AA);
+    }
+    cv::putText(strip, lines[i].text, {line, y + line / 4}, kFont, kFontScale * size,
+                Colour(240, 240, 240), strokeOf(size), cv::LINE_AA);
   }
 }
 

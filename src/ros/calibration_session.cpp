@@ -53,6 +53,10 @@ Callbacks CalibrationSession::continued() const {
 
 void CalibrationSession::pass(FrameResult result) const {
   result.map_id += base_.map_id;
+  if (result.moved) {
+    result.moved->from += base_.map_id;
+    result.moved->to += base_.map_id;
+  }
   result.calibration_revision += base_.revision;
   {
     const std::lock_guard<std::mutex> lock(mutex_);

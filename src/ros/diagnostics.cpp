@@ -1,6 +1,7 @@
 #include "camera_self_calibration/ros/diagnostics.h"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace camera_self_calibration {
 
@@ -9,6 +10,18 @@ using diagnostic_msgs::DiagnosticStatus;
 namespace {
 
 constexpr double kSilence = 2.0;  // [s] From then on an old state is no news.
+
+bool isOfTracking(EventType type) {
+  return type == EventType::kLost || type == EventType::kRelocalized || type == EventType::kInput;
+}
+
+void addEvent(const std::optional<Event>& event,
+              diagnostic_updater::DiagnosticStatusWrapper* status) {
+  if (!event) return;
+  char stamp[40];
+  std::snprintf(stamp, sizeof(stamp), " at %.3f s: ", 1e-9 * static_cast<double>(event->stamp_ns));
+  status->add("last event", toString(event->type) + stamp + event->sentence);
+}
 
 }  // namespace
 
@@ -85,6 +98,12 @@ void Diagnostics::update(const InputCounts& input) {
   last_image_ = ros::WallTime::now();
 }
 
+void Diagnostics::update(const Event& event) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  (isOfTracking(event.type) ? tracking_event_ : calibration_event_) = event;
+  losses_ += event.type == EventType::kLost;
+}
+
 void Diagnostics::publish() { updater_.force_update(); }
 
 bool Diagnostics::addProblems(Status* status) const {
@@ -106,6 +125,8 @@ void Diagnostics::tracking(Status& status) {
   status.add("state", toString(frame_.state));
   status.add("map_id", frame_.map_id);
   status.add("tracks", frame_.tracks.tracks.size());
+  status.add("losses", losses_);
+  addEvent(tracking_event_, &status);
   if (silence() > kSilence) {
     status.summaryf(DiagnosticStatus::WARN, "No image for %.0f s, so that no pose is known.",
                     silence());
@@ -132,6 +153,7 @@ void Diagnostics::calibration(Status& status) {
   status.add("revision", report_.revision);
   status.add("epoch", report_.epoch);
   if (!report_.last_change.empty()) status.add("last change", report_.last_change);
+  addEvent(calibration_event_, &status);
   addCameraInfo(&status);
 }
 

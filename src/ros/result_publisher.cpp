@@ -67,6 +67,7 @@ void ResultPublisher::publish(const FrameResult& result, std::int64_t dropped_im
     tracking_state_ = result.state;
     tracking_sentence_ = result.sentence;
   }
+  if (result.moved) trail_.follow(*result.moved);
   if (result.state == TrackingState::kTracking) {
     if (publish_tf_) publishTransform(result);
     publishPose(result);

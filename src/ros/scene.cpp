@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "camera_self_calibration/plotting/convergence_chart.h"
 
@@ -49,49 +50,80 @@ int brightnessAt(const ImageView& image, const Eigen::Vector2d& pixel) {
 }  // namespace
 
 void Scene::add(std::uint64_t map_id, const Segment& newest) {
-  if (map_id != map_id_) clear();
   map_id_ = map_id;
-  for (const Keyframe& keyframe : newest.keyframes) keyframes_[keyframe.id] = keyframe;
-  if (keyframes_.size() > kMaxKeyframes) thinOut();
+  auto& keyframes = maps_.enter(map_id).keyframes;
+  for (const Keyframe& keyframe : newest.keyframes) keyframes[keyframe.id] = keyframe;
+  if (keyframes.size() > kMaxKeyframes) thinOut(&keyframes);
   measure(newest);
 }
 
 void Scene::add(const FrameResult& frame) {
+  if (frame.moved) {
+    maps_.join(frame.moved->from, frame.moved->to, [&](Content left, Content* into) {
+      merge(frame.moved->to_from_from, std::move(left), into);
+    });
+    if (map_id_ == frame.moved->from) map_id_ = frame.moved->to;
+  }
   if (frame.map_id == map_id_ && frame.state == TrackingState::kTracking) {
-    world_from_camera_ = frame.world_from_camera;
+    maps_.present().world_from_camera = frame.world_from_camera;
   }
 }
 
-void Scene::clear() {
-  keyframes_.clear();
-  landmarks_.clear();
-  stretches_.clear();
-  world_from_camera_ = Rigid3();
+void Scene::add(const Event& event) {
+  auto& events = maps_.present().events;
+  events.push_back({event, worldFromCamera().translation});
+  if (events.size() > kMaxEvents) events.pop_front();
+}
+
+// What both hold is newest in the map that goes on.
+void Scene::merge(const Similarity3& into_from_left, Content left, Content* into) {
+  for (auto& [id, keyframe] : left.keyframes) {
+    keyframe.world_from_camera = into_from_left * keyframe.world_from_camera;
+    into->keyframes.emplace(id, keyframe);
+  }
+  if (into->keyframes.size() > kMaxKeyframes) thinOut(&into->keyframes);
+  for (auto& [id, point] : left.landmarks) {
+    point.position = into_from_left * point.position;
+    into->landmarks.emplace(id, point);
+  }
+  for (auto& [sequence, positions] : left.stretches) {
+    if (positions.size() <= into->stretches[sequence].size()) continue;
+    for (Eigen::Vector3d& position : positions) position = into_from_left * position;
+    into->stretches[sequence] = positions;
+  }
+  for (Occurrence& occurrence : left.events) {
+    occurrence.position = into_from_left * occurrence.position;
+    into->events.push_back(occurrence);
+  }
+  while (into->events.size() > kMaxEvents) into->events.pop_front();
+  into->world_from_camera = into_from_left * left.world_from_camera;
 }
 
 // A thinned trajectory would leave little of a segment, so its stretch is kept at its longest.
 void Scene::add(const CalibrationReport& report) {
   report_ = report;
+  auto& stretches = maps_.present().stretches;
   std::map<std::int64_t, std::vector<Eigen::Vector3d>> kept;
   for (const SegmentReport& segment : report.queue.segments) {
     std::vector<Eigen::Vector3d> positions;
-    for (const auto& [id, keyframe] : keyframes_) {
+    for (const auto& [id, keyframe] : keyframes()) {
       if (keyframe.stamp_ns < segment.begin_ns || keyframe.stamp_ns > segment.end_ns) continue;
       positions.push_back(keyframe.world_from_camera.translation);
     }
-    const auto known = stretches_.find(segment.sequence);
+    const auto known = stretches.find(segment.sequence);
     const bool known_is_longer =
-        known != stretches_.end() && known->second.size() > positions.size();
+        known != stretches.end() && known->second.size() > positions.size();
     kept[segment.sequence] = known_is_longer ? known->second : positions;
   }
-  stretches_.swap(kept);
+  stretches.swap(kept);
 }
 
 std::vector<Scene::Stretch> Scene::queue() const {
+  const auto& stretches = maps_.present().stretches;
   std::vector<Stretch> all;
   for (const SegmentReport& segment : report_.queue.segments) {
-    const auto found = stretches_.find(segment.sequence);
-    if (found == stretches_.end() || found->second.size() < 2) continue;
+    const auto found = stretches.find(segment.sequence);
+    if (found == stretches.end() || found->second.size() < 2) continue;
     all.push_back({found->second, scoreShare(segment, report_.queue)});
   }
   return all;
@@ -110,25 +142,26 @@ void Scene::measure(const Segment& segment) {
 
 void Scene::addLandmarks(const Camera& camera, const Segment& newest, const ImageView* image) {
   const std::vector<Sightings> sightings = countSightings(newest);
+  auto& landmarks = maps_.present().landmarks;
   for (std::size_t i = 0; i < newest.landmarks.size(); ++i) {
     const Landmark& landmark = newest.landmarks[i];
     const double rho = landmark.inverse_depth;
     if (sightings[i].count < kMinSightings || !(rho * kFar * unit_ > 1.0)) continue;
     const Keyframe& reference = newest.keyframes[static_cast<std::size_t>(landmark.reference)];
-    Point& point = landmarks_[landmark.track_id];
+    Point& point = landmarks[landmark.track_id];
     point.position = reference.world_from_camera * (rayOf(landmark, camera) / rho);
     const bool in_image =
         sightings[i].last_keyframe + 1 == static_cast<int>(newest.keyframes.size());
     if (image != nullptr && in_image) point.brightness = brightnessAt(*image, sightings[i].pixel);
   }
-  while (landmarks_.size() > kMaxLandmarks) landmarks_.erase(landmarks_.begin());
+  while (landmarks.size() > kMaxLandmarks) landmarks.erase(landmarks.begin());
 }
 
-void Scene::thinOut() {
-  const std::int64_t newest = keyframes_.rbegin()->first;
+void Scene::thinOut(std::map<std::int64_t, Keyframe>* keyframes) {
+  const std::int64_t newest = keyframes->rbegin()->first;
   bool drop = false;
-  for (auto i = keyframes_.begin(); i != keyframes_.end() && i->first < newest - kNewest;) {
-    i = drop ? keyframes_.erase(i) : std::next(i);
+  for (auto i = keyframes->begin(); i != keyframes->end() && i->first < newest - kNewest;) {
+    i = drop ? keyframes->erase(i) : std::next(i);
     drop = !drop;
   }
 }

@@ -3,6 +3,7 @@
 #include <sensor_msgs/point_cloud2_iterator.h>
 
 #include <algorithm>
+#include <cstdio>
 
 #include "camera_self_calibration/plotting/palette.h"
 #include "camera_self_calibration/ros/messages.h"
@@ -18,6 +19,7 @@ constexpr double kWindowCamera = 0.08;
 constexpr double kThin = 0.006;
 constexpr double kDot = 0.018;
 constexpr double kThick = 0.03;
+constexpr double kLetters = 0.07;
 constexpr int kRaysPerSide = 12;
 
 geometry_msgs::Point toPoint(const Eigen::Vector3d& p) {
@@ -37,6 +39,13 @@ std_msgs::ColorRGBA toColour(const Colour& bgr, double alpha = 1.0) {
   return colour;
 }
 
+std::string labelOf(const Event& event) {
+  if (event.type != EventType::kCalibrationChange) return toString(event.type);
+  char size[40];
+  std::snprintf(size, sizeof(size), " by %.2g px", event.magnitude_px);
+  return toString(event.type) + size;
+}
+
 /// Makes the markers of one scene.
 class Painter {
  public:
@@ -53,6 +62,7 @@ class Painter {
     for (Marker& marker : array.markers) {
       if (marker.points.empty()) marker.action = Marker::DELETE;
     }
+    for (std::size_t i = 0; i < Scene::kMaxEvents; ++i) array.markers.push_back(event(i));
     return array;
   }
 
@@ -155,6 +165,28 @@ class Painter {
       marker.points.push_back(end(i));
       marker.points.push_back(end(i + 1));
     }
+    return marker;
+  }
+
+  /// One above the other where they happened at the same place.
+  Marker event(std::size_t i) const {
+    Marker marker = empty("events", Marker::TEXT_VIEW_FACING, kLetters, Colour());
+    marker.id = static_cast<int>(i);
+    const auto& events = scene_.events();
+    if (i >= events.size()) {
+      marker.action = Marker::DELETE;
+      return marker;
+    }
+    const double line = 1.3 * kLetters * scene_.unit();
+    int lines = 1;
+    for (std::size_t earlier = 0; earlier < i; ++earlier) {
+      lines += (events[earlier].position - events[i].position).norm() < 4.0 * line;
+    }
+    marker.color = toColour(eventColour(events[i].event.type));
+    marker.text = labelOf(events[i].event);
+    // The world's y points down.
+    const Eigen::Vector3d above(0.0, -lines * line, 0.0);
+    marker.pose.position = toPoint(events[i].position + above);
     return marker;
   }
 

@@ -179,6 +179,8 @@ void SelfCalibrationNode::beginAnew(const std::string& what, const ros::Time& st
 void SelfCalibrationNode::raise(const Event& event) {
   ROS_INFO_STREAM(private_node_.getNamespace()
                   << ": " << toString(event.type) << ": " << event.sentence);
+  visualizer_->add(event);
+  diagnostics_->update(event);
   results_->publish(event);
 }
 

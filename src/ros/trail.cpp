@@ -3,23 +3,28 @@
 namespace camera_self_calibration {
 
 bool Trail::add(const Pose& pose, std::uint64_t map_id) {
-  if (map_id != map_id_) {
-    poses_.clear();
-    map_id_ = map_id;
-    seen_ = 0;
-    stride_ = 1;
-  }
-  if (seen_++ % stride_ != 0) return false;
-  if (poses_.size() == max_poses_) thinOut();
-  poses_.push_back(pose);
-  return true;
+  return addTo(pose, &ways_.enter(map_id));
 }
 
-void Trail::thinOut() {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < poses_.size(); i += 2) poses_[kept++] = poses_[i];
-  poses_.resize(kept);
-  stride_ *= 2;
+void Trail::follow(const MapMove& moved) {
+  ways_.join(moved.from, moved.to, [&](const Way& left, Way* into) {
+    for (Pose pose : left.poses) {
+      pose.world_from_camera = moved.to_from_from * pose.world_from_camera;
+      addTo(pose, into);
+    }
+  });
+}
+
+bool Trail::addTo(const Pose& pose, Way* way) const {
+  if (way->seen++ % way->stride != 0) return false;
+  if (way->poses.size() == max_poses_) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < way->poses.size(); i += 2) way->poses[kept++] = way->poses[i];
+    way->poses.resize(kept);
+    way->stride *= 2;
+  }
+  way->poses.push_back(pose);
+  return true;
 }
 
 }  // namespace camera_self_calibration

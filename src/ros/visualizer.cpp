@@ -4,6 +4,7 @@
 #include <sensor_msgs/PointCloud2.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -20,6 +21,8 @@ constexpr std::chrono::milliseconds kPeriod(100);
 constexpr int kChartPeriods = 5;
 // Images between the camera and the pipeline's result.
 constexpr std::size_t kMaxImages = 8;
+// How long an event stands on the image [s].
+constexpr double kNewsS = 15.0;
 
 sensor_msgs::ImagePtr toImage(const cv::Mat& bgr, const std::string& frame, std::int64_t stamp_ns) {
   std_msgs::Header header;
@@ -93,6 +96,13 @@ void Visualizer::add(const CalibrationReport& report) {
   scene_.add(report);
   history_.add(report);
   chart_.changed = true;
+}
+
+void Visualizer::add(const Event& event) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  scene_.add(event);
+  newest_event_ = event;
+  markers_.changed = true;
 }
 
 Visualizer::Counts Visualizer::counts() const {
@@ -182,8 +192,22 @@ std::vector<Caption> Visualizer::captions(const FrameResult& frame) const {
     std::snprintf(error, sizeof(error), ", expected error %.2g px", report.uncertainty.rms);
     calibration += error;
   }
-  return {{trackingColour(frame.state), toString(frame.state) + ", " + frame.sentence},
-          {stateColour(report.state), calibration}};
+  std::vector<Caption> all = {
+      {trackingColour(frame.state), toString(frame.state) + ", " + frame.sentence},
+      {stateColour(report.state), calibration}};
+  if (const auto news = newsAt(frame.stamp_ns)) all.push_back(*news);
+  return all;
+}
+
+/// The newest event, unless it is long ago.
+std::optional<Caption> Visualizer::newsAt(std::int64_t stamp_ns) const {
+  if (!newest_event_) return std::nullopt;
+  const double ago = 1e-9 * static_cast<double>(stamp_ns - newest_event_->stamp_ns);
+  if (!(std::abs(ago) < kNewsS)) return std::nullopt;
+  char when[40];
+  std::snprintf(when, sizeof(when), ", %.0f s ago: ", std::max(0.0, ago));
+  return Caption{eventColour(newest_event_->type),
+                 toString(newest_event_->type) + when + newest_event_->sentence};
 }
 
 void Visualizer::publishChart() {

@@ -122,6 +122,129 @@ TEST(LearntState, ForeignFilesAndOtherVersionsAreNamed) {
   EXPECT_NE(decodeState(newer).error.find("format 9"), std::string::npos);
 }
 
+// A file as the first version of the format was written, in words of eight bytes: a camera, and a
+// segment with one keyframe, one landmark and one observation, none of which knows of a shutter.
+const std::uint64_t kFormatOne[] = {1,
+                                    0,
+                                    0x280,
+                                    0x1e0,
+                                    4,
+                                    1,
+                                    0x4079080000000000,
+                                    0x4079140000000000,
+                                    0x4074000000000000,
+                                    0x406e000000000000,
+                                    4,
+                                    3,
+                                    0x2cb417800,
+                                    0x2a,
+                                    7,
+                                    3,
+                                    1,
+                                    0x29,
+                                    1,
+                                    0x29,
+                                    0x2ad741300,
+                                    0,
+                                    0,
+                                    0,
+                                    0x3ff0000000000000,
+                                    0x3ff0000000000000,
+                                    0x4000000000000000,
+                                    0x4008000000000000,
+                                    0,
+                                    0,
+                                    0,
+                                    0,
+                                    0,
+                                    0,
+                                    0,
+                                    6,
+                                    1,
+                                    0x63,
+                                    0,
+                                    1,
+                                    0x4059200000000000,
+                                    0x4069080000000000,
+                                    0,
+                                    0x3fe3333333333333,
+                                    0x3fe999999999999a,
+                                    0x3fe8000000000000,
+                                    1,
+                                    0,
+                                    0,
+                                    0x4059600000000000,
+                                    0x4069280000000000,
+                                    0x3fc0000000000000,
+                                    0,
+                                    0,
+                                    0x280,
+                                    0x1e0,
+                                    4,
+                                    1,
+                                    0x4079080000000000,
+                                    0x4079140000000000,
+                                    0x4074000000000000,
+                                    0x406e000000000000,
+                                    4,
+                                    4,
+                                    4,
+                                    0x4030000000000000,
+                                    0,
+                                    0,
+                                    0,
+                                    0,
+                                    0x4030000000000000,
+                                    0,
+                                    0,
+                                    0,
+                                    0,
+                                    0x4030000000000000,
+                                    0,
+                                    0,
+                                    0,
+                                    0,
+                                    0x4030000000000000,
+                                    0x3ff8000000000000,
+                                    0x4024800000000000,
+                                    0xc00c000000000000,
+                                    0x3fd0000000000000,
+                                    0x3fe0000000000000,
+                                    0x3ff4000000000000,
+                                    0x698262e68d2c8dd8};
+
+TEST(LearntState, TheFormatBeforeTheShutterIsStillRead) {
+  std::string bytes = "camera_self_calibration state\n";
+  for (const std::uint64_t word : kFormatOne) {
+    for (int shift = 0; shift < 64; shift += 8) bytes += static_cast<char>((word >> shift) & 0xff);
+  }
+  const DecodedState decoded = decodeState(bytes);
+  ASSERT_TRUE(decoded.state) << decoded.error;
+  const LearntState& state = *decoded.state;
+  EXPECT_EQ(state.camera.model(), CameraModel::kPinhole);
+  EXPECT_EQ(state.camera.parameters(), (Intrinsics(4) << 400.5, 401.25, 320, 240).finished());
+  EXPECT_EQ(state.state, CalibrationState::kConverged);
+  EXPECT_EQ(state.stamp_ns, 12000000000);
+  EXPECT_EQ(state.keyframes, 42);
+  EXPECT_EQ(state.revision, 7u);
+  EXPECT_EQ(state.epoch, 3u);
+  EXPECT_EQ(state.row_time_s, 0.0);
+  EXPECT_EQ(state.row_time_sigma_s, 0.0) << "no estimate";
+  ASSERT_EQ(state.segments.size(), 1u);
+  const Candidate& candidate = state.segments[0];
+  EXPECT_EQ(candidate.segment.sequence, 41);
+  EXPECT_EQ(candidate.segment.keyframes.at(0).world_from_camera.translation.z(), 3.0);
+  EXPECT_EQ(candidate.segment.landmarks.at(0).bearing.y(), 0.6);
+  EXPECT_EQ(candidate.segment.landmarks.at(0).inverse_depth, 0.75);
+  EXPECT_EQ(candidate.segment.observations.at(0).pixel, Eigen::Vector2d(101.5, 201.25));
+  EXPECT_EQ(candidate.segment.observations.at(0).sigma, 0.125);
+  EXPECT_TRUE(candidate.segment.observations.at(0).shift.shift.isZero());
+  EXPECT_EQ(candidate.information, 16.0 * IntrinsicsMatrix::Identity(4, 4));
+  EXPECT_EQ(candidate.residual_scale, 1.25);
+  // Written again, it has the present format.
+  EXPECT_TRUE(decodeState(encode(state)).state);
+}
+
 // Even where the checksum is right, contents that make no sense are not taken.
 TEST(LearntState, UnsoundContentsAreRefused) {
   const auto refused = [](const std::function<void(LearntState*)>& spoil) {

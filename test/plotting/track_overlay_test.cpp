@@ -56,6 +56,19 @@ TEST(TrackOverlay, CaptionsStandAtTheLowerBorder) {
   EXPECT_GT(cv::countNonZero(mask), 20);
 }
 
+TEST(TrackOverlay, ALongCaptionGoesOnInTheNextLine) {
+  const cv::Mat gray(200, 320, CV_8UC1, cv::Scalar(100));
+  const std::string words = "LOST, only 3 features could be followed; 12 are needed: slow down";
+  const auto darkRows = [&](const std::string& text) {
+    const cv::Mat picture = drawTracks(gray, TrackTrails(), {{Colour(0, 255, 0), text}});
+    int rows = 0;
+    for (int y = 0; y < picture.rows; ++y) rows += picture.at<cv::Vec3b>(y, 319)[0] < 60;
+    return rows;
+  };
+  EXPECT_EQ(darkRows("LOST"), 26);
+  EXPECT_EQ(darkRows(words), 46);
+}
+
 TEST(TrackOverlay, AnImageLowerThanItsCaptionsIsDrawnToo) {
   const cv::Mat gray(8, 30, CV_8UC1, cv::Scalar(100));
   EXPECT_EQ(drawTracks(gray, TrackTrails(), {{Colour(), "a"}, {Colour(), "b"}}).rows, 8);

@@ -40,8 +40,9 @@ bool hasColour(const std_msgs::ColorRGBA& colour, const Colour& bgr) {
 
 TEST(SceneMessages, EveryMarkerHasFrameAndStamp) {
   const auto array = toMarkers(makeScene(), "map", ros::Time(5.0));
-  ASSERT_EQ(array.markers.size(), 6u);
+  ASSERT_EQ(array.markers.size(), 6u + Scene::kMaxEvents);
   for (const Marker& marker : array.markers) {
+    if (marker.ns == "events") continue;
     EXPECT_EQ(marker.header.frame_id, "map");
     EXPECT_EQ(marker.header.stamp, ros::Time(5.0));
     EXPECT_EQ(marker.action, Marker::ADD) << marker.ns;
@@ -76,6 +77,27 @@ TEST(SceneMessages, TheFrustumShowsTheEstimatedFieldOfView) {
     if (point.z > 0.0) widest = std::max(widest, std::abs(point.x / point.z));
   }
   EXPECT_NEAR(widest, 1.0, 1e-6) << "f = 320 px, 320 px from the centre to the border";
+}
+
+TEST(SceneMessages, EventsAreWordsWhereTheyHappened) {
+  Scene scene = makeScene();
+  Event change{EventType::kCalibrationChange, 1, 1, "the lens changed"};
+  change.magnitude_px = 35.24;
+  scene.add(change);
+  scene.add(Event{EventType::kConverged, 2, 2, "good"});
+  std::vector<Marker> events;
+  for (const Marker& marker : toMarkers(scene, "map", ros::Time(5.0)).markers) {
+    if (marker.ns == "events") events.push_back(marker);
+  }
+  ASSERT_EQ(events.size(), Scene::kMaxEvents);
+  EXPECT_EQ(events[0].text, "CALIBRATION_CHANGE by 35 px");
+  EXPECT_NEAR(events[0].pose.position.x, 0.95, 1e-12);
+  EXPECT_TRUE(hasColour(events[0].color, eventColour(EventType::kCalibrationChange)));
+  EXPECT_EQ(events[1].text, "CONVERGED");
+  EXPECT_GT(events[0].pose.position.y - events[1].pose.position.y, events[0].scale.z)
+      << "one above the other";
+  EXPECT_EQ(events[1].action, Marker::ADD);
+  EXPECT_EQ(events[2].action, Marker::DELETE);
 }
 
 TEST(SceneMessages, WhatIsEmptyIsTakenAway) {

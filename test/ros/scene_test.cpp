@@ -37,6 +37,48 @@ TEST(Scene, AnotherMapReplacesEverything) {
   EXPECT_EQ(scene.worldFromCamera().translation.x(), 0.0);
 }
 
+TEST(Scene, AMapThatIsFoundAgainIsWhole) {
+  Scene scene;
+  scene.add(0, sceneSegment(0, 10));
+  scene.addLandmarks(sceneCamera(), sceneSegment(0, 10), nullptr);
+  scene.add(sceneReport());
+  scene.add(Event{EventType::kLost, 9000000000LL, 9000000000LL, "lost"});
+  scene.add(1, sceneSegment(20, 4));
+  EXPECT_TRUE(scene.events().empty()) << "of another map";
+  // The window is in the old map already, when the result tells of it.
+  Segment found = sceneSegment(22, 3);
+  found.keyframes[0].world_from_camera.translation.y() = 5.0;
+  scene.add(0, found);
+  FrameResult frame;
+  frame.state = TrackingState::kTracking;
+  frame.map_id = 0;
+  frame.moved = MapMove{1, 0, {Rigid3(), 3.0}};
+  frame.world_from_camera.translation.x() = 4.0;
+  scene.add(frame);
+  ASSERT_EQ(scene.keyframes().size(), 15u);
+  EXPECT_NEAR(scene.keyframes().at(20).world_from_camera.translation.x(), 6.0, 1e-12);
+  EXPECT_EQ(scene.keyframes().at(22).world_from_camera.translation.y(), 5.0) << "known better";
+  EXPECT_EQ(scene.landmarks().size(), 4u);
+  EXPECT_EQ(scene.queue().size(), 2u);
+  EXPECT_EQ(scene.worldFromCamera().translation.x(), 4.0);
+  ASSERT_EQ(scene.events().size(), 1u);
+  EXPECT_EQ(scene.events()[0].event.type, EventType::kLost);
+}
+
+TEST(Scene, EventsStandWhereTheyHappenedAndAreFew) {
+  Scene scene;
+  scene.add(0, sceneSegment(0, 10));
+  for (int i = 0; i < 20; ++i) {
+    FrameResult frame;
+    frame.state = TrackingState::kTracking;
+    frame.world_from_camera.translation.x() = i;
+    scene.add(frame);
+    scene.add(Event{EventType::kInput, i, i, "input"});
+  }
+  ASSERT_EQ(scene.events().size(), Scene::kMaxEvents);
+  EXPECT_EQ(scene.events().back().position.x(), 19.0);
+}
+
 TEST(Scene, TheQueueLiesOnTheTrajectory) {
   Scene scene;
   scene.add(0, sceneSegment(0, 10));

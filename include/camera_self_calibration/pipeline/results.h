@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/rigid3.h"
+#include "camera_self_calibration/geometry/similarity.h"
 #include "camera_self_calibration/tracking/track.h"
 
 namespace camera_self_calibration {
@@ -23,12 +25,20 @@ std::string toString(EventType type);
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+/// A map that goes on in another: an older one was found again, or the scale was set.
+struct MapMove {
+  std::uint64_t from = 0;  ///< map_id of the poses until now.
+  std::uint64_t to = 0;
+  Similarity3 to_from_from;  ///< Takes these poses over into the other map.
+};
+
 /// What one image told, published in the order of the images.
 struct FrameResult {
   std::int64_t stamp_ns = 0;  ///< Of the image.
   TrackingState state = TrackingState::kInitializing;
-  std::string sentence;      ///< The state in words, with what would help.
-  std::uint64_t map_id = 0;  ///< Poses of different maps have different frames and scales.
+  std::string sentence;          ///< The state in words, with what would help.
+  std::uint64_t map_id = 0;      ///< Poses of different maps have different frames and scales.
+  std::optional<MapMove> moved;  ///< In the first image of a map that goes on in another.
   /// Known while TRACKING only; else the last one that was. Map units: the scale is arbitrary. Axes
   /// of the optical frame (REP 103).
   Rigid3 world_from_camera;

@@ -3,6 +3,7 @@
 #include <opencv2/core/types.hpp>
 
 #include "camera_self_calibration/calibration/health.h"
+#include "camera_self_calibration/pipeline/results.h"
 
 namespace camera_self_calibration {
 
@@ -28,6 +29,9 @@ const Palette& palette(Theme theme);
 /// The colour that stands for a state everywhere: grey waiting, blue initializing, amber
 /// converging, green converged, red degenerate.
 Colour stateColour(CalibrationState state);
+
+/// Red for what went wrong, green for what is well again, blue for the rest.
+Colour eventColour(EventType type);
 
 /// From yellow (0, best) over green to dark blue (1, worst); values outside are clamped. Differs in
 /// lightness too, so that it reads without colour vision.

@@ -38,7 +38,8 @@ struct Caption {
 };
 
 /// The gray image (8 bits) in BGR, with the tracks on it: a dot where each is, a tail where it was;
-/// new tracks are orange, old ones green.
+/// new tracks are orange, old ones green. Captions that are wider than the image go on in the next
+/// line.
 cv::Mat drawTracks(const cv::Mat& gray, const TrackTrails& trails,
                    const std::vector<Caption>& captions);
 

@@ -3,6 +3,7 @@
 #include <diagnostic_updater/diagnostic_updater.h>
 
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,8 @@ class Diagnostics {
   void update(const FrameResult& result, std::int64_t dropped_images);
   void update(const CalibrationReport& report);
   void update(const InputCounts& input);
+  /// Told with the tracking, or with the calibration if it is of that.
+  void update(const Event& event);
 
   /// Publishes; called about once a second.
   void publish();
@@ -69,6 +72,9 @@ class Diagnostics {
   FrameResult frame_;
   CalibrationReport report_;
   InputCounts input_;
+  std::optional<Event> tracking_event_;     // the newest of them
+  std::optional<Event> calibration_event_;  // likewise
+  std::int64_t losses_ = 0;
   std::int64_t dropped_ = 0;
   ros::WallTime last_image_;  // When the input was heard last; zero before.
   Interval interval_;

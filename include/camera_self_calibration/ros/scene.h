@@ -2,17 +2,19 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <vector>
 
 #include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/ros/by_map.h"
 #include "camera_self_calibration/tracking/image_view.h"
 
 namespace camera_self_calibration {
 
-/// What a picture of the current map shows, in bounded memory. Positions in the world frame [map
-/// units]. Not thread-safe.
+/// What a picture of the current map shows, in bounded memory; a map that is found again is shown
+/// whole. Positions in the world frame [map units]. Not thread-safe.
 class Scene {
  public:
   /// A stretch of the trajectory that the calibration rests on.
@@ -25,37 +27,57 @@ class Scene {
     int brightness = -1;  ///< In the image that saw it last, 0 to 255; negative if not known.
   };
 
-  /// The newest keyframes of a map, with poses and depths solved. Those of another map replace
-  /// everything.
+  /// Where an event happened.
+  struct Occurrence {
+    Event event;
+    Eigen::Vector3d position;
+  };
+
+  /// The newest keyframes of a map, with poses and depths solved. With those of another map the
+  /// picture becomes that of the other.
   void add(std::uint64_t map_id, const Segment& newest);
   /// Their landmarks too; `image`, if not null, is that of the last keyframe.
   void addLandmarks(const Camera& camera, const Segment& newest, const ImageView* image);
   /// The queue and the camera.
   void add(const CalibrationReport& report);
-  /// Of another map than the keyframes': left out.
+  /// The pose, unless it is of another map than the keyframes.
   void add(const FrameResult& frame);
+  /// It happens where the camera is.
+  void add(const Event& event);
 
-  const std::map<std::int64_t, Keyframe>& keyframes() const { return keyframes_; }  ///< By id.
+  /// By id.
+  const std::map<std::int64_t, Keyframe>& keyframes() const { return maps_.present().keyframes; }
   std::vector<Stretch> queue() const;
-  const std::map<std::int64_t, Point>& landmarks() const { return landmarks_; }  ///< By track id.
-  const Rigid3& worldFromCamera() const { return world_from_camera_; }
+  /// By track id.
+  const std::map<std::int64_t, Point>& landmarks() const { return maps_.present().landmarks; }
+  const Rigid3& worldFromCamera() const { return maps_.present().world_from_camera; }
+  /// The newest in this map, the oldest first.
+  const std::deque<Occurrence>& events() const { return maps_.present().events; }
   const CalibrationReport& report() const { return report_; }
   /// Median distance of the newest landmarks: the size of things [map units].
   double unit() const { return unit_; }
   /// Keyframes of the sliding window, counted from the newest.
   static constexpr int kWindow = 10;
+  static constexpr std::size_t kMaxEvents = 6;
 
  private:
-  void clear();
+  /// One map.
+  struct Content {
+    std::map<std::int64_t, Keyframe> keyframes;
+    std::map<std::int64_t, Point> landmarks;
+    std::map<std::int64_t, std::vector<Eigen::Vector3d>> stretches;  // by sequence
+    std::deque<Occurrence> events;
+    Rigid3 world_from_camera;
+    std::size_t size() const { return keyframes.size(); }
+  };
+
+  static void thinOut(std::map<std::int64_t, Keyframe>* keyframes);
+  static void merge(const Similarity3& into_from_left, Content left, Content* into);
   void measure(const Segment& segment);
-  void thinOut();
 
   std::uint64_t map_id_ = 0;
   double unit_ = 1.0;
-  std::map<std::int64_t, Keyframe> keyframes_;
-  std::map<std::int64_t, Point> landmarks_;
-  std::map<std::int64_t, std::vector<Eigen::Vector3d>> stretches_;  // by sequence
-  Rigid3 world_from_camera_;
+  ByMap<Content> maps_;
   CalibrationReport report_;
 };
 

@@ -16,6 +16,7 @@ namespace camera_self_calibration {
 ///  - queue:      the segments that the calibration rests on, thick, coloured by score
 ///  - frustum:    the estimated field of view at the camera's pose, in the colour of the state
 ///  - view:       its faces, translucent
+///  - events:     what happened in this map, in words where it happened (Scene::kMaxEvents markers)
 visualization_msgs::MarkerArray toMarkers(const Scene& scene, const std::string& world_frame,
                                           const ros::Time& stamp);
 

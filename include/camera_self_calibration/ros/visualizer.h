@@ -44,6 +44,7 @@ class Visualizer {
   /// The newest keyframes of the map and their landmarks, under these intrinsics.
   void add(std::uint64_t map_id, const Camera& camera, const Segment& newest);
   void add(const CalibrationReport& report);
+  void add(const Event& event);
 
   Counts counts() const;
 
@@ -68,6 +69,7 @@ class Visualizer {
   void publishTracks();
   void publishChart();
   std::vector<Caption> captions(const FrameResult& frame) const;
+  std::optional<Caption> newsAt(std::int64_t stamp_ns) const;
   const ImageView* imageOf(std::int64_t stamp_ns) const;
 
   const std::string world_frame_;
@@ -85,6 +87,7 @@ class Visualizer {
   std::int64_t stamp_ns_ = 0;  // of the newest frame
   std::deque<ImageView> images_;
   Scene scene_;
+  std::optional<Event> newest_event_;
   ConvergenceHistory history_;
   TrackTrails trails_;
   std::optional<Picture> picture_;
