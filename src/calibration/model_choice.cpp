@@ -127,9 +127,9 @@ void ModelChoice::observe(const Segment& candidate) {
   if (static_cast<int>(kept_.size()) > options_.max_segments) kept_.erase(kept_.begin());
 }
 
-void ModelChoice::setRowTime(double row_time_s, int image_height) {
+void ModelChoice::setRowTime(double row_time_s, const Camera& camera) {
   for (Segment& segment : kept_) {
-    camera_self_calibration::setRowTime(row_time_s, image_height, &segment);
+    setRowTimeOfScene(row_time_s, camera, &segment);
   }
 }
 

@@ -129,9 +129,9 @@ RowTimeEstimate QueueEstimate::rowTime(const QueueSolution& solution, double ste
   return estimateRowTime(blocks, solution.camera, IntrinsicsPrior(), step_s, threads_);
 }
 
-void QueueSolution::addUncertaintyOf(const RowTimeEstimate& row_time) {
+void QueueSolution::addUncertaintyOf(const RowTimeEstimate& row_time, double doubt_s) {
   if (!row_time.usable || row_time.slope.size() != covariance.rows()) return;
-  const Intrinsics deviation = row_time.sigma_s * row_time.slope;
+  const Intrinsics deviation = doubt_s * row_time.slope;
   covariance += deviation * deviation.transpose();
 }
 

@@ -19,6 +19,7 @@ constexpr double kFirstStep = 1e-3;
 constexpr double kLeastStep = 5e-5;
 constexpr double kLargestStep = 5e-3;
 constexpr double kLongest = 0.1;
+constexpr double kTypical = 0.02;  // where the shutter rolls, as half of all do
 
 struct Solved {
   bool usable = false;
@@ -34,7 +35,7 @@ Solved solveWith(double row_time_s, const std::vector<SegmentBlock>& blocks, con
   for (const SegmentBlock& block : blocks) segments.push_back(*block.segment);
   Problem problem{&solved.camera, true, blocks, prior};
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    setRowTime(row_time_s, camera.height(), &segments[i]);
+    setRowTimeOfScene(row_time_s, camera, &segments[i]);
     problem.blocks[i].segment = &segments[i];
   }
   SolverOptions options;
@@ -77,7 +78,7 @@ Candidate withRowTime(const Candidate& candidate, double row_time_s, const Camer
   if (segment.keyframes.empty() || segment.keyframes.front().row_time_s == row_time_s) {
     return candidate;
   }
-  setRowTime(row_time_s, start.height(), &segment);
+  setRowTimeOfScene(row_time_s, start, &segment);
   return evaluateCandidate(CandidateOptions(), segment, start);
 }
 
@@ -90,6 +91,21 @@ bool RowTime::take(const RowTimeEstimate& estimate) {
   if (settled_) return false;
   in_use_s_ = wanted;
   return true;
+}
+
+double RowTime::doubt() const {
+  if (!estimate_.usable) return 0.0;
+  const double variance = estimate_.sigma_s * estimate_.sigma_s;
+  if (in_use_s_ != 0.0) return estimate_.sigma_s;
+  const double prior = (kTypical / row_steps_) * (kTypical / row_steps_);
+  const double square = estimate_.row_time_s * estimate_.row_time_s;
+  // Likelihood of the estimate where the shutter rolls over that where it does not, and the mean
+  // square of the row time where it does.
+  const double ratio = std::sqrt(variance / (variance + prior)) *
+                       std::exp(0.5 * square * (1.0 / variance - 1.0 / (variance + prior)));
+  const double share = prior / (prior + variance);
+  const double mean_square = share * share * square + share * variance;
+  return std::sqrt(mean_square * (1.0 - 1.0 / (1.0 + ratio)));
 }
 
 double RowTime::step() const {

@@ -216,7 +216,7 @@ void Startup::setInformation(const Marginal& marginal) {
 }
 
 void Startup::setRowTime(double row_time_s) {
-  camera_self_calibration::setRowTime(row_time_s, camera_.height(), &segment_);
+  setRowTimeOfScene(row_time_s, camera_, &segment_);
   if (usable_) judge();
 }
 

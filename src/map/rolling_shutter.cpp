@@ -1,8 +1,101 @@
 #include "camera_self_calibration/map/rolling_shutter.h"
 
+#include <optional>
+#include <vector>
+
+#include "camera_self_calibration/map/rigid_motion.h"
 #include "camera_self_calibration/tracking/image_motion.h"
 
 namespace camera_self_calibration {
+namespace {
+
+// In the image in which its track starts, a feature's velocity is that at the end of the parabola,
+// whose variance is this many times that of central differences; the reference itself has no noise.
+constexpr double kStartVariance = 8.5;
+
+/// One pixel of a segment, and what it moves like.
+struct Mover {
+  Eigen::Vector2d* pixel = nullptr;
+  RowShift* shift = nullptr;
+  std::optional<MovingPoint> point = {};  // nothing where the landmark cannot be seen
+};
+
+Eigen::Vector2d seenPixel(const Mover& mover) { return *mover.pixel + mover.shift->shift; }
+
+class Scene {
+ public:
+  Scene(double row_time_s, const Camera& camera, Segment* segment)
+      : row_time_s_(row_time_s),
+        middle_row_(0.5 * (camera.height() - 1)),
+        camera_(camera),
+        segment_(segment),
+        movers_(segment->keyframes.size()) {}
+
+  void collect() {
+    for (Landmark& landmark : segment_->landmarks) {
+      if (!landmark.anchored) continue;
+      add(landmark, landmark.reference, 1.0 / kStartVariance, &landmark.reference_pixel,
+          &landmark.reference_shift);
+    }
+    for (Observation& observation : segment_->observations) {
+      add(segment_->landmarks[observation.landmark], observation.keyframe, 1.0, &observation.pixel,
+          &observation.shift);
+    }
+  }
+
+  void place() {
+    for (std::size_t k = 0; k < movers_.size(); ++k) {
+      const Camera& camera = segment_->cameraOf(static_cast<int>(k), camera_);
+      std::vector<MovingPoint> points;
+      for (const Mover& mover : movers_[k]) {
+        if (mover.point) points.push_back(*mover.point);
+      }
+      const std::optional<CameraMotion> motion = fitCameraMotion(points, camera);
+      for (Mover& mover : movers_[k]) place(camera, motion, &mover);
+    }
+  }
+
+ private:
+  void add(const Landmark& landmark, int keyframe, double weight, Eigen::Vector2d* pixel,
+           RowShift* shift) {
+    Mover mover{pixel, shift};
+    if (const auto ray = rayOf(landmark)) {
+      const Rigid3& from = segment_->keyframes[landmark.reference].world_from_camera;
+      const Rigid3& to = segment_->keyframes[keyframe].world_from_camera;
+      // Eq. (1)
+      const Eigen::Vector3d point =
+          to.rotation.conjugate() *
+          (from.rotation * *ray + landmark.inverse_depth * (from.translation - to.translation));
+      mover.point = MovingPoint{
+          point, landmark.inverse_depth,
+          motionInTime(seenPixel(mover), shift->motion, middle_row_, row_time_s_), weight};
+    }
+    movers_[static_cast<std::size_t>(keyframe)].push_back(mover);
+  }
+
+  std::optional<Eigen::Vector3d> rayOf(const Landmark& landmark) const {
+    if (!landmark.anchored) return landmark.bearing;
+    return segment_->cameraOf(landmark.reference, camera_).unproject(landmark.reference_pixel);
+  }
+
+  // What does not belong to the scene, or could not be fitted, moves as it was seen to.
+  void place(const Camera& camera, const std::optional<CameraMotion>& motion, Mover* mover) const {
+    std::optional<ImageMotion> moves;
+    if (motion && mover->point) moves = imageMotion(*mover->point, *motion, camera);
+    if (!moves) return placePixel(row_time_s_, camera.height(), mover->pixel, mover->shift);
+    const Eigen::Vector2d seen = seenPixel(*mover);
+    *mover->pixel = asSeenAtOnceInTime(seen, *moves, middle_row_, row_time_s_);
+    mover->shift->shift = seen - *mover->pixel;
+  }
+
+  double row_time_s_;
+  double middle_row_;
+  const Camera& camera_;
+  Segment* segment_;
+  std::vector<std::vector<Mover>> movers_;  // by keyframe
+};
+
+}  // namespace
 
 void placePixel(double row_time_s, int image_height, Eigen::Vector2d* pixel, RowShift* shift) {
   const Eigen::Vector2d seen = *pixel + shift->shift;
@@ -18,6 +111,14 @@ void setRowTime(double row_time_s, int image_height, Segment* segment) {
   for (Observation& observation : segment->observations) {
     placePixel(row_time_s, image_height, &observation.pixel, &observation.shift);
   }
+}
+
+void setRowTimeOfScene(double row_time_s, const Camera& camera, Segment* segment) {
+  if (row_time_s == 0.0) return setRowTime(row_time_s, camera.height(), segment);
+  for (Keyframe& keyframe : segment->keyframes) keyframe.row_time_s = row_time_s;
+  Scene scene(row_time_s, camera, segment);
+  scene.collect();
+  scene.place();
 }
 
 }  // namespace camera_self_calibration

@@ -241,7 +241,7 @@ void BackEnd::solveQueue() {
   const bool known = solution_.usable && solution_.camera.model() == report_.camera.model() &&
                      solution_.camera.estimatedCount() == report_.camera.estimatedCount();
   solution_ = estimate_.solve(handed_over_ || !known ? report_.camera : solution_.camera);
-  if (row_time_.inUse() != 0.0) solution_.addUncertaintyOf(row_time_.estimate());
+  solution_.addUncertaintyOf(row_time_.estimate(), row_time_.doubt());
   if (handed_over_ && solution_.usable) adoptSolution();
 }
 

@@ -14,9 +14,15 @@ constexpr int kKeyframesBetween = 3;
 // Changes of the queue after which it is asked again, which takes three solutions of the queue.
 constexpr int kSwapsBetween = 5;
 
-void freeOf(double row_time_s, int image_height, Segment* segment) {
-  if (segment->keyframes.empty() || segment->keyframes.front().row_time_s == row_time_s) return;
-  setRowTime(row_time_s, image_height, segment);
+// Before anything is known of the lens, features move as each was seen to.
+void freeOf(double row_time_s, const Camera& camera, bool scene_known, Segment* segment) {
+  if (segment->keyframes.empty()) return;
+  if (segment->keyframes.front().row_time_s == row_time_s && row_time_s == 0.0) return;
+  if (scene_known) {
+    setRowTimeOfScene(row_time_s, camera, segment);
+  } else {
+    setRowTime(row_time_s, camera.height(), segment);
+  }
 }
 
 }  // namespace
@@ -24,8 +30,9 @@ void freeOf(double row_time_s, int image_height, Segment* segment) {
 // The front end may know an older row time.
 KeyframeMessage BackEnd::freed(const KeyframeMessage& message) const {
   KeyframeMessage result = message;
-  freeOf(row_time_.inUse(), report_.camera.height(), &result.candidate);
-  freeOf(row_time_.inUse(), report_.camera.height(), &result.history);
+  const bool scene_known = handed_over_ || startup_.tellsLens();
+  freeOf(row_time_.inUse(), report_.camera, scene_known, &result.candidate);
+  freeOf(row_time_.inUse(), report_.camera, scene_known, &result.history);
   return result;
 }
 
@@ -53,7 +60,7 @@ void BackEnd::adoptRowTime() {
     startup_.setRowTime(row_time_s);
     if (startup_.usable()) adoptStartup();
   }
-  model_choice_.setRowTime(row_time_s, report_.camera.height());
+  model_choice_.setRowTime(row_time_s, report_.camera);
   detector_.reset();
   const std::vector<Candidate> candidates = estimate_.candidates();
   const int swaps = report_.queue.swaps;
@@ -63,7 +70,7 @@ void BackEnd::adoptRowTime() {
     Candidate anew = withRowTime(candidate, row_time_s, report_.camera);
     if (!anew.well_posed) {
       anew = candidate;
-      freeOf(row_time_s, report_.camera.height(), &anew.segment);
+      freeOf(row_time_s, report_.camera, true, &anew.segment);
     }
     offer(anew);
   }

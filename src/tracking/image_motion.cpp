@@ -22,26 +22,56 @@ ImageMotion motionThrough(const std::vector<Sample>& samples) {
   const double middle = 0.5 * (samples[0].time_s + samples[1].time_s);
   motion.velocity = slope(0);
   if (samples.size() < 3) return motion;
-  motion.acceleration =
-      2.0 * (slope(1) - slope(0)) / (samples[2].time_s - samples[0].time_s);
+  motion.acceleration = 2.0 * (slope(1) - slope(0)) / (samples[2].time_s - samples[0].time_s);
   motion.velocity -= middle * motion.acceleration;
   return motion;
+}
+
+// A feature cannot be seen to move faster than rows are read.
+constexpr double kLeastPace = 0.2;
+
+Eigen::Vector2d after(double seconds, const Eigen::Vector2d& pixel, const ImageMotion& motion) {
+  return pixel + seconds * motion.velocity + 0.5 * seconds * seconds * motion.acceleration;
+}
+
+// Pixels as a function p(s) of the image's stamp, s from this one: p(s) was seen at
+// s + (p_y(s) - middle_row) row_time_s; the s for which this is 0. Contracts by a feature's motion
+// in rows while one row is read.
+double stampOfMiddleRow(const Eigen::Vector2d& pixel, const ImageMotion& motion, double middle_row,
+                        double row_time_s) {
+  double s = 0.0;
+  for (int i = 0; i < 4; ++i) {
+    s = -(after(s, pixel, motion).y() - middle_row) * row_time_s;
+  }
+  return s;
 }
 
 }  // namespace
 
 Eigen::Vector2d asSeenAtOnce(const Eigen::Vector2d& pixel, const ImageMotion& motion,
                              double middle_row, double row_time_s) {
-  // Pixels as a function p(s) of the image's stamp, s from this one: p(s) was seen at
-  // s + (p_y(s) - middle_row) row_time_s, which is to be 0. Contracts by a feature's motion in rows
-  // while one row is read.
-  double s = 0.0;
-  Eigen::Vector2d moved = pixel;
-  for (int i = 0; i < 4; ++i) {
-    s = -(moved.y() - middle_row) * row_time_s;
-    moved = pixel + s * motion.velocity + 0.5 * s * s * motion.acceleration;
-  }
-  return moved;
+  return after(stampOfMiddleRow(pixel, motion, middle_row, row_time_s), pixel, motion);
+}
+
+ImageMotion motionInTime(const Eigen::Vector2d& pixel, const ImageMotion& stamped,
+                         double middle_row, double row_time_s) {
+  const double s = stampOfMiddleRow(pixel, stamped, middle_row, row_time_s);
+  const Eigen::Vector2d velocity = stamped.velocity + s * stamped.acceleration;
+  // t(s) = s + (p_y(s) - middle_row) row_time_s, and q(t(s)) = p(s).
+  const double pace = std::max(kLeastPace, 1.0 + row_time_s * velocity.y());
+  ImageMotion in_time;
+  in_time.velocity = velocity / pace;
+  in_time.acceleration =
+      (stamped.acceleration - row_time_s * stamped.acceleration.y() * in_time.velocity) /
+      (pace * pace);
+  return in_time;
+}
+
+Eigen::Vector2d asSeenAtOnceInTime(const Eigen::Vector2d& pixel, const ImageMotion& in_time,
+                                   double middle_row, double row_time_s) {
+  // pixel = q + t q' + t^2 q'' / 2 with q and its derivatives at time 0.
+  const double t = (pixel.y() - middle_row) * row_time_s;
+  return pixel - t * in_time.velocity - 0.5 * t * t * in_time.acceleration;
 }
 
 void MotionHistory::add(const TrackedFrame& frame) {
@@ -70,8 +100,8 @@ std::map<std::int64_t, ImageMotion> MotionHistory::motions(int images_ago) const
     for (const Image& other : images_) {
       const auto found = other.pixels.find(id);
       if (found == other.pixels.end()) continue;
-      samples.push_back({1e-9 * static_cast<double>(other.stamp_ns - asked.stamp_ns),
-                         found->second});
+      samples.push_back(
+          {1e-9 * static_cast<double>(other.stamp_ns - asked.stamp_ns), found->second});
     }
     result[id] = motionThrough(samples);
   }

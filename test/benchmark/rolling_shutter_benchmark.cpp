@@ -1,9 +1,10 @@
 // The readout time of a rolling shutter, and the calibration with it, on simulated feature tracks.
 //
 //   rolling_shutter_benchmark [--trials 40] [--first-seed 1] [--seconds 15] [--shutter auto]
-//                             [--readouts 0,10,15,30]
+//                             [--readouts 0,10,15,30] [--noise 0]
 //
 // Each trial has a lens, a motion and a noise of its own, the same for every readout time [ms].
+// `--noise` is that of all trials [px]; 0: 0.05 to 0.2.
 // `--shutter` is what the calibrator is told: auto, off or a readout time [s].
 
 #include <algorithm>
@@ -32,6 +33,7 @@ struct Arguments {
   double seconds = 0.0;
   std::string shutter;
   std::string readouts_ms;
+  double noise_px = 0.0;
 };
 
 struct Row {
@@ -50,6 +52,7 @@ Row runTrial(const Arguments& arguments, double readout_s, std::uint64_t seed) {
   tracks.rate_hz = 30.0;
   tracks.motion_speed = random.uniform(0.4, 1.2);
   tracks.pixel_sigma = random.uniform(0.05, 0.2);
+  if (arguments.noise_px > 0.0) tracks.pixel_sigma = arguments.noise_px;
   tracks.outlier_share = 0.01;
   tracks.max_features = 100;
   tracks.readout_s = readout_s;
@@ -131,7 +134,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
                                      {"--first-seed", "1"},
                                      {"--seconds", "15"},
                                      {"--shutter", "auto"},
-                                     {"--readouts", "0,10,15,30"}});
+                                     {"--readouts", "0,10,15,30"},
+                                     {"--noise", "0"}});
   if (!values) return std::nullopt;
   Arguments arguments;
   arguments.trials = std::stoi(values->at("--trials"));
@@ -139,6 +143,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   arguments.seconds = std::stod(values->at("--seconds"));
   arguments.shutter = values->at("--shutter");
   arguments.readouts_ms = values->at("--readouts");
+  arguments.noise_px = std::stod(values->at("--noise"));
   Options scratch;
   return setRollingShutter(arguments.shutter, &scratch) ? std::make_optional(arguments)
                                                         : std::nullopt;

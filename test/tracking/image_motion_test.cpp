@@ -64,6 +64,21 @@ TEST(ImageMotion, OfTheOldestImageOnlyForTracksThatStartedThere) {
   EXPECT_EQ(history.motions(1).count(7), 1u);
 }
 
+TEST(ImageMotion, InTimeItIsThatOfTheFeature) {
+  MotionHistory history;
+  for (int i = 0; i < 3; ++i) history.add(frame(i));
+  const ImageMotion stamped = history.motions(1).at(7);
+  const ImageMotion in_time = motionInTime(seen(kPeriod), stamped, kMiddle, kRowTime);
+  const Eigen::Vector2d acceleration(-2000.0, 3000.0);
+  const Eigen::Vector2d velocity = Eigen::Vector2d(300.0, -250.0) + kPeriod * acceleration;
+  EXPECT_LT((in_time.velocity - velocity).norm(), 1.5) << "the parabola is not exact";
+  EXPECT_LT((in_time.acceleration - acceleration).norm(), 80.0);
+  EXPECT_GT((stamped.velocity - velocity).norm(), 10.0) << "rows make it look different";
+  const ImageMotion exact{velocity, acceleration};
+  EXPECT_LT((asSeenAtOnceInTime(seen(kPeriod), exact, kMiddle, kRowTime) - path(kPeriod)).norm(),
+            1e-9);
+}
+
 TEST(ImageMotion, AGlobalShutterChangesNothing) {
   const ImageMotion motion{{100.0, 200.0}, {3000.0, -1000.0}};
   EXPECT_EQ(asSeenAtOnce({10.0, 20.0}, motion, kMiddle, 0.0), Eigen::Vector2d(10.0, 20.0));

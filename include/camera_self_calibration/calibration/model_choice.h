@@ -42,7 +42,7 @@ class ModelChoice {
   void observe(const Segment& candidate);
 
   /// Frees what is kept of a rolling shutter of this time between rows [s].
-  void setRowTime(double row_time_s, int image_height);
+  void setRowTime(double row_time_s, const Camera& camera);
 
   /// Compares if it is time to: over `queue` (as observed, not gated) or, as long as that holds
   /// fewer than those kept by observe, over these. The camera to go on with, if it should be of

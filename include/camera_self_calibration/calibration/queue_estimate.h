@@ -26,9 +26,9 @@ struct QueueSolution {
   double inflation = 1.0;
   int iterations = 0;
 
-  /// The row time is one of the unknowns: makes the covariance larger by what its sigma leaves
-  /// open.
-  void addUncertaintyOf(const RowTimeEstimate& row_time);
+  /// The row time is one of the unknowns: makes the covariance larger by what is left open where
+  /// it is `doubt_s` off.
+  void addUncertaintyOf(const RowTimeEstimate& row_time, double doubt_s);
 };
 
 /// Holds the queue's segments, solved, and re-estimates the intrinsics jointly when they change:

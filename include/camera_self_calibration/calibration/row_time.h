@@ -40,6 +40,9 @@ class RowTime {
 
   double inUse() const { return in_use_s_; }  ///< [s]
   const RowTimeEstimate& estimate() const { return estimate_; }
+  /// How far the value in use is expected to be off (root mean square) [s]. Where none is in use,
+  /// the shutter may roll all the same, the more likely the less is known of it.
+  double doubt() const;
   /// For the next profile: of the order of the uncertainty [s].
   double step() const;
   /// Whether the newest estimate is what is in use, but for a small part of its sigma.

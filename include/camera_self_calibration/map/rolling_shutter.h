@@ -17,4 +17,9 @@ void placePixel(double row_time_s, int image_height, Eigen::Vector2d* pixel, Row
 /// The same with all pixels of a segment. Poses are then those of the middle row.
 void setRowTime(double row_time_s, int image_height, Segment* segment);
 
+/// The same for a segment that was solved: each keyframe's features move as a rigid scene does
+/// (fitCameraMotion). A feature's own motion is a difference of noisy pixels: times the row time
+/// its noise looks like an error that grows with the row time, which is then found too short.
+void setRowTimeOfScene(double row_time_s, const Camera& camera, Segment* segment);
+
 }  // namespace camera_self_calibration

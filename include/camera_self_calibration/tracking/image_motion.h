@@ -16,6 +16,15 @@ namespace camera_self_calibration {
 Eigen::Vector2d asSeenAtOnce(const Eigen::Vector2d& pixel, const ImageMotion& motion,
                              double middle_row, double row_time_s);
 
+/// A motion as images are stamped, turned into one in time at the moment of `middle_row`; the
+/// feature was seen at `pixel`.
+ImageMotion motionInTime(const Eigen::Vector2d& pixel, const ImageMotion& stamped,
+                         double middle_row, double row_time_s);
+
+/// As asSeenAtOnce, from the motion in time.
+Eigen::Vector2d asSeenAtOnceInTime(const Eigen::Vector2d& pixel, const ImageMotion& in_time,
+                                   double middle_row, double row_time_s);
+
 /// The motion of features through the newest images, by a parabola through three of them.
 class MotionHistory {
  public:

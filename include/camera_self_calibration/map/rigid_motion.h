@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/geometry/rigid3.h"
+#include "camera_self_calibration/tracking/track.h"
+
+namespace camera_self_calibration {
+
+/// A feature of one image whose motion was measured.
+struct MovingPoint {
+  Eigen::Vector3d point;       ///< In the camera, divided by the reference's distance (eq. 1).
+  double inverse_depth = 0.0;  ///< By which the point was multiplied [1/map unit].
+  ImageMotion measured;        ///< In time [px/s, px/s^2].
+  double weight = 1.0;         ///< One over the measurement's variance, but for a common factor.
+};
+
+/// How the camera moves: twist and its derivative, in the camera frame, translation first.
+struct CameraMotion {
+  Vector6d velocity = Vector6d::Zero();      ///< [map unit/s, rad/s]
+  Vector6d acceleration = Vector6d::Zero();  ///< [map unit/s^2, rad/s^2]
+};
+
+/// The motion of the camera before a rigid scene that explains the features' motions best, robust
+/// against those that do not belong to it. The differences of noisy tracks, of which there are two
+/// numbers for each feature, become six for all of them. Nothing where there are too few.
+std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& points,
+                                            const Camera& camera);
+
+/// The motion of a feature in the image that follows; nothing where the camera cannot project.
+std::optional<ImageMotion> imageMotion(const MovingPoint& point, const CameraMotion& motion,
+                                       const Camera& camera);
+
+}  // namespace camera_self_calibration
