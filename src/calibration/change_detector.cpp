@@ -31,6 +31,8 @@ constexpr std::size_t kPools[] = {2, 4, 8};
 constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a drift made stale
 // Residual scale, over that of the queue's segments, of data that fit no lens.
 constexpr double kMaxMisfit = 2.0;
+// Sigma scale, over that of the queue's segments, of a window that fits as well as usual.
+constexpr double kUsualMisfit = 1.5;
 
 std::string withP(const char* text, double p_value) {
   char buffer[200];
@@ -49,6 +51,12 @@ int keyframesBefore(const Segment& window, std::int64_t onset_ns) {
 double usualResidualScale(const QueueEstimate& queue) {
   std::vector<double> scales;
   for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.residual_scale);
+  return std::max(1.0, median(std::move(scales), 1.0));
+}
+
+double usualSigmaScale(const QueueEstimate& queue) {
+  std::vector<double> scales;
+  for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.sigma_scale);
   return std::max(1.0, median(std::move(scales), 1.0));
 }
 
@@ -87,6 +95,7 @@ std::vector<std::int64_t> staleSegments(const ChangeCourse& course, const QueueE
 double ChangeDetector::limit() const { return rate_ * interval_s_ / 3600.0 / kTestsPerKeyframe; }
 
 void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
+  if (stamp_ns == last_stamp_ns_) return;
   const double interval = std::clamp(seconds(stamp_ns - last_stamp_ns_), 0.02, 2.0);
   if (last_stamp_ns_ > 0) interval_s_ += 0.1 * (interval - interval_s_);
   last_stamp_ns_ = stamp_ns;
@@ -97,9 +106,27 @@ ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& ca
                                       const QueueSolution& solution) {
   ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue, solution);
   const bool by_window = verdict.kind == Kind::kChange && verdict.recent.empty();
+  in_doubt_ = verdict.kind != Kind::kSame;
   if (by_window) return confirmed(std::move(verdict), solution.camera);
   findings_ = 0;
   return verdict;
+}
+
+std::optional<double> ChangeDetector::clearlySame(const CandidateOutlook& outlook,
+                                                  std::int64_t suspected_onset_ns,
+                                                  const QueueEstimate& queue,
+                                                  const QueueSolution& solution) {
+  measureInterval(outlook.evidence.end_ns);
+  if (suspected_onset_ns > 0 || in_doubt_ || isNewStretch(outlook.evidence.begin_ns) ||
+      outlook.sigma_scale > kUsualMisfit * usualSigmaScale(queue)) {
+    return std::nullopt;
+  }
+  const auto reference =
+      referenceWithout(outlook.evidence.begin_ns, outlook.evidence.end_ns, queue, solution);
+  if (!reference) return std::nullopt;
+  const double p_value = agreement({outlook.evidence}, *reference).p_value;
+  if (!(p_value > kClearlySame)) return std::nullopt;
+  return p_value;
 }
 
 ChangeVerdict ChangeDetector::confirmed(ChangeVerdict verdict, const Camera& before) {
@@ -155,7 +182,7 @@ ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Cand
     return verdict;
   }
   const double own_p_value = agreement({ownEvidence(candidate)}, reference).p_value;
-  if (own_p_value > kClearlySame && !isNewStretch(candidate)) {
+  if (own_p_value > kClearlySame && !isNewStretch(candidate.segment.beginNs())) {
     verdict.p_value = own_p_value;
     return verdict;
   }
@@ -217,12 +244,12 @@ ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_k
   return verdict;
 }
 
-bool ChangeDetector::isNewStretch(const Candidate& candidate) const {
-  return recent_.empty() || candidate.segment.beginNs() > recent_.back().evidence.end_ns;
+bool ChangeDetector::isNewStretch(std::int64_t begin_ns) const {
+  return recent_.empty() || begin_ns > recent_.back().evidence.end_ns;
 }
 
 void ChangeDetector::remember(const Candidate& candidate, const Evidence& evidence) {
-  if (!isNewStretch(candidate)) return;
+  if (!isNewStretch(candidate.segment.beginNs())) return;
   recent_.push_back({candidate, evidence});
   if (recent_.size() > kStretches) recent_.pop_front();
 }

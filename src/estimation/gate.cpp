@@ -56,19 +56,15 @@ std::vector<TrackFit> trackFits(const SegmentBlock& block, const Camera& camera)
 std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
                          double exceed_probability) {
   const std::vector<TrackFit> fits = trackFits(block, camera);
-  std::vector<double> quantile;  // by degrees of freedom
   std::vector<int> result;
-  const double single = chiSquareQuantile(2, 0.01 * exceed_probability);
+  // With two degrees of freedom the exceedance is exp(-x / 2).
+  const double single = -2.0 * std::log(0.01 * exceed_probability);
   for (std::size_t l = 0; l < fits.size(); ++l) {
     const TrackFit& fit = fits[l];
     if (fit.observations == 0) continue;
-    while (static_cast<int>(quantile.size()) <= fit.freedom) {
-      const int next = static_cast<int>(quantile.size());
-      quantile.push_back(next == 0 ? 0.0 : chiSquareQuantile(next, exceed_probability));
-    }
-    if (!(fit.sum <= 2.0 * quantile[fit.freedom]) || fit.largest > single) {
-      result.push_back(static_cast<int>(l));
-    }
+    // Written so that a sum that is not finite is a misfit.
+    const bool explained = chiSquareExceedance(0.5 * fit.sum, fit.freedom) >= exceed_probability;
+    if (!explained || fit.largest > single) result.push_back(static_cast<int>(l));
   }
   return result;
 }

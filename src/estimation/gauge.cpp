@@ -9,11 +9,13 @@
 namespace camera_self_calibration {
 namespace {
 
-// rho^2 H_rhorho per landmark: (rho / conditional sigma of rho)^2.
-std::vector<double> depthInformation(const Segment& segment, const Camera& camera) {
+// rho^2 H_rhorho of the `wanted` landmarks: (rho / conditional sigma of rho)^2.
+std::vector<double> depthInformation(const Segment& segment, const Camera& camera,
+                                     const std::vector<char>& wanted) {
   std::vector<double> information(segment.landmarks.size(), 0.0);
   Transfers transfers(segment);
   for (const Observation& observation : segment.observations) {
+    if (wanted[observation.landmark] == 0) continue;
     const Landmark& landmark = segment.landmarks[observation.landmark];
     const Transfer& transfer = transfers.between(landmark.reference, observation.keyframe);
     Eigen::Vector3d ray;
@@ -38,14 +40,18 @@ SegmentBlock freeBlock(Segment* segment, const Camera& camera) {
   block.segment = segment;
   std::vector<int> counts(segment->landmarks.size(), 0);
   for (const Observation& observation : segment->observations) ++counts[observation.landmark];
-  const std::vector<double> information = depthInformation(*segment, camera);
   int most = 1;
   for (const int count : counts) most = std::max(most, count);
-  double best = -1.0;
+  std::vector<char> seen_most(counts.size());
   for (std::size_t l = 0; l < counts.size(); ++l) {
     // An inherited landmark has one observation more for the same number of views.
     const int views = counts[l] - (segment->landmarks[l].anchored ? 0 : 1);
-    if (views + 1 < most || information[l] <= best) continue;
+    seen_most[l] = views + 1 >= most;
+  }
+  const std::vector<double> information = depthInformation(*segment, camera, seen_most);
+  double best = -1.0;
+  for (std::size_t l = 0; l < counts.size(); ++l) {
+    if (seen_most[l] == 0 || information[l] <= best) continue;
     best = information[l];
     block.fixed_landmark = static_cast<int>(l);
   }

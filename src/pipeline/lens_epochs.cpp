@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "camera_self_calibration/calibration/candidate_outlook.h"
 #include "camera_self_calibration/pipeline/back_end.h"
 
 namespace camera_self_calibration {
@@ -25,6 +26,7 @@ void BackEnd::considerCandidate(const KeyframeMessage& message, std::vector<Even
     report_.queue.last_decision = "discarded: it straddles the change of the lens";
     return;
   }
+  if (handed_over_ && foregone(message)) return;
   const Candidate candidate =
       evaluateCandidate(CandidateOptions(), message.candidate, report_.camera);
   ChangeVerdict verdict;
@@ -48,6 +50,22 @@ void BackEnd::considerCandidate(const KeyframeMessage& message, std::vector<Even
       changeEpoch(verdict, events);
       break;
   }
+}
+
+// Neighbouring windows share all keyframes but one, and most of them stand no chance against what
+// the queue holds of the same time. One that says nothing against the lens either need not be
+// solved.
+bool BackEnd::foregone(const KeyframeMessage& message) {
+  const CandidateOutlook outlook = outlookOf(message.candidate, report_.camera);
+  if (!outlook.usable) return false;
+  const QueueDecision decision = queue_.consider(outlook.best, report_.camera);
+  if (decision.accepted) return false;
+  const auto p_value =
+      detector_.clearlySame(outlook, message.suspected_onset_ns, estimate_, solution_);
+  if (!p_value) return false;
+  report_.change_p_value = *p_value;
+  report_.queue.last_decision = decision.reason + " (at best: it was not solved)";
+  return true;
 }
 
 // The present estimate goes on from what the alarm knows; the map, the poses and the queue of the

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <deque>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "camera_self_calibration/calibration/agreement.h"
+#include "camera_self_calibration/calibration/candidate_outlook.h"
 #include "camera_self_calibration/calibration/candidate_window.h"
 #include "camera_self_calibration/calibration/lens_change.h"
 #include "camera_self_calibration/calibration/queue_estimate.h"
@@ -52,10 +54,19 @@ class ChangeDetector {
                         std::int64_t suspected_onset_ns, const QueueEstimate& queue,
                         const QueueSolution& solution);
 
+  /// For a window that will not enter the queue: the p-value of its outlook, if that leaves no
+  /// need to solve it as a candidate for examine(). Nothing where anything is suspected or in
+  /// doubt, where the tracks fit worse than usual, or where the window is the first after those
+  /// that the slow tests remember.
+  std::optional<double> clearlySame(const CandidateOutlook& outlook,
+                                    std::int64_t suspected_onset_ns, const QueueEstimate& queue,
+                                    const QueueSolution& solution);
+
   /// Forgets what was seen, at the beginning of an epoch.
   void reset() {
     recent_.clear();
     findings_ = 0;
+    in_doubt_ = false;
   }
 
   /// p-value below which the newest keyframe's tests raise an alarm.
@@ -79,7 +90,7 @@ class ChangeDetector {
   ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
   ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
                               const Reference& reference) const;
-  bool isNewStretch(const Candidate& candidate) const;  // shares nothing with those remembered
+  bool isNewStretch(std::int64_t begin_ns) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const Evidence& evidence);
   ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;
   ChangeVerdict explain(const Reference& reference, double p_value,
@@ -90,6 +101,7 @@ class ChangeDetector {
   std::int64_t last_stamp_ns_ = 0;
   double usual_residual_scale_ = 1.0;
   std::deque<Stretch> recent_;  // disjoint, in the order of time
+  bool in_doubt_ = false;       // what the newest keyframe said
   int findings_ = 0;            // keyframes in a row that found the lens `found_`
   Camera found_;
 };

@@ -67,6 +67,7 @@ class BackEnd {
   void clearQueue();
   // In lens_epochs.cpp: what the watch over the lens leads to.
   void considerCandidate(const KeyframeMessage& message, std::vector<Event>* events);
+  bool foregone(const KeyframeMessage& message);
   void changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events);
   void followDrift(const ChangeVerdict& verdict);
   void recallSetting(std::vector<Event>* events);
