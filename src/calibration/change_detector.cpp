@@ -129,6 +129,19 @@ std::optional<double> ChangeDetector::clearlySame(const CandidateOutlook& outloo
   return p_value;
 }
 
+ChangeVerdict ChangeDetector::examineUnfinished(const Segment& window, const Candidate& candidate,
+                                                const Reference& reference) {
+  measureInterval(window.endNs());
+  ChangeVerdict verdict;
+  const bool comparable = candidate.information.rows() == reference.information.rows();
+  if (comparable && agreement({ownEvidence(candidate)}, reference).p_value < kClearlySame) {
+    verdict = examineWindow(window, 0, reference);
+  }
+  if (verdict.kind == Kind::kChange) return confirmed(std::move(verdict), reference.camera);
+  findings_ = 0;
+  return verdict;
+}
+
 ChangeVerdict ChangeDetector::confirmed(ChangeVerdict verdict, const Camera& before) {
   const double change = pixelDistance(before, verdict.camera).rms;
   const bool again =

@@ -10,6 +10,11 @@
 namespace camera_self_calibration {
 namespace {
 
+// The batch does not allow for errors that are correlated along tracks: its sigma counts as so many
+// times as large.
+constexpr double kStartupSigmas = 2.0;
+constexpr std::size_t kStartupCourse = 20;  // keyframes
+
 std::string describe(const Event& event) {
   char buffer[120];
   std::snprintf(buffer, sizeof(buffer), ": by %.2f px rms over the image, noticed after %.1f s",
@@ -33,7 +38,10 @@ void BackEnd::considerCandidate(const KeyframeMessage& message, std::vector<Even
   if (handed_over_) {
     verdict = detector_.examine(message.candidate, candidate, message.suspected_onset_ns, estimate_,
                                 solution_);
+  } else if (const auto reference = startupBefore(message.candidate.beginNs())) {
+    verdict = detector_.examineUnfinished(message.candidate, candidate, *reference);
   }
+  if (!handed_over_) rememberStartup();
   report_.change_p_value = verdict.p_value;
   switch (verdict.kind) {
     case ChangeVerdict::Kind::kSame:
@@ -83,6 +91,7 @@ void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* even
   handed_over_ = report_.handed_over = false;
   report_.state = CalibrationState::kInitializing;
   clearQueue();
+  startup_course_.clear();
   detector_.reset();
   startup_.resume(verdict.camera, verdict.information, verdict.segment);
   adoptStartup();
@@ -90,6 +99,25 @@ void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* even
   for (const Candidate& candidate : verdict.recent) offer(candidate);
   if (!estimate_.candidates().empty()) solveQueue();
   report_.queue.last_decision = "the queue of the lens before the change was put away";
+}
+
+// The batch holds the newest keyframes too, so that what came before them has to be remembered.
+void BackEnd::rememberStartup() {
+  const bool good = startup_.usable() && startup_.uncertainty().rms < 2.0 * convergedRms();
+  if (report_.epoch == 0 || !good) return;
+  const double share = 1.0 / (kStartupSigmas * kStartupSigmas);
+  startup_course_.emplace_back(
+      report_.stamp_ns, Reference{startup_.camera(), share * startup_.information(), 1.0, 0});
+  if (startup_course_.size() > kStartupCourse) startup_course_.pop_front();
+}
+
+// What was known of the lens by then; nothing before the first change.
+std::optional<Reference> BackEnd::startupBefore(std::int64_t stamp_ns) const {
+  std::optional<Reference> newest;
+  for (const auto& [known_at_ns, reference] : startup_course_) {
+    if (known_at_ns < stamp_ns) newest = reference;
+  }
+  return newest;
 }
 
 void BackEnd::followDrift(const ChangeVerdict& verdict) {

@@ -54,6 +54,32 @@ TEST(Change, AZoomIsNoticedDatedAndLearntAnew) {
   }
 }
 
+// While the lens after the first change is still being learnt.
+TEST(Change, ASecondOneSoonAfterTheFirstIsNoticedToo) {
+  const auto cameras = ordinaryCameras();
+  for (std::size_t i = 1; i < (kSanitized ? 2 : cameras.size()); ++i) {
+    const Camera before = cameras[i];
+    const Camera between = zoomed(before, 1.10);
+    const Camera after = zoomed(before, 1.20);
+    constexpr double kSecondS = kChangeS + 2.5;
+    TrackRun run(before, optionsFor(before.model()), runWith([&](double t) {
+                   return t < kChangeS ? before : t < kSecondS ? between : after;
+                 }));
+    run.run(330);
+    ASSERT_GE(run.record.count(EventType::kCalibrationChange), 2) << toString(before.model());
+    const Event* second = nullptr;
+    for (const Event& event : run.record.events) {
+      if (second == nullptr && since(event.stamp_ns) > kSecondS) second = &event;
+    }
+    ASSERT_NE(second, nullptr);
+    EXPECT_EQ(second->type, EventType::kCalibrationChange);
+    EXPECT_LT(since(second->stamp_ns), kSecondS + 2.0) << toString(before.model());
+    const CalibrationReport report = run.report();
+    EXPECT_EQ(report.state, CalibrationState::kConverged) << report.sentence;
+    EXPECT_LT(pixelDistance(after, report.camera).rms, 1.0) << toString(before.model());
+  }
+}
+
 TEST(Change, PosesGoOnAcrossIt) {
   const Camera before = ordinaryCameras()[1];
   const Camera after = zoomed(before, 1.10);

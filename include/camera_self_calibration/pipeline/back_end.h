@@ -1,10 +1,13 @@
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "camera_self_calibration/calibration/agreement.h"
 #include "camera_self_calibration/calibration/candidate_window.h"
 #include "camera_self_calibration/calibration/change_detector.h"
 #include "camera_self_calibration/calibration/health.h"
@@ -71,6 +74,8 @@ class BackEnd {
   void changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events);
   void followDrift(const ChangeVerdict& verdict);
   void recallSetting(std::vector<Event>* events);
+  void rememberStartup();
+  std::optional<Reference> startupBefore(std::int64_t stamp_ns) const;
   // In shutter.cpp: what rows that are read one after the other lead to.
   KeyframeMessage freed(const KeyframeMessage& message) const;
   void considerRowTime();
@@ -95,10 +100,11 @@ class BackEnd {
   QueueSolution solution_;
   ChangeDetector detector_;
   RowTime row_time_;
-  int row_time_keyframes_ = 0;        // of the startup batch, when it was asked last
+  int row_time_keyframes_ = 0;    // of the startup batch, when it was asked last
   int swaps_since_row_time_ = 0;  // changes of the queue since it was asked for the row time
-  SettingArchive settings_;           // of earlier epochs
-  std::int64_t epoch_onset_ns_ = 0;   // keyframes before it are of an earlier epoch
+  SettingArchive settings_;       // of earlier epochs
+  std::deque<std::pair<std::int64_t, Reference>> startup_course_;  // by stamp, of this epoch
+  std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch
   bool handed_over_ = false;
   bool changed_ = false;  // the estimate, by the newest keyframe
   std::string obstacle_;  // to hand-over
