@@ -1,12 +1,16 @@
 #include "camera_self_calibration/calibration/candidate_outlook.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/geometry/median.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -14,6 +18,8 @@ namespace {
 // By how much, as a share of all sigmas, a score may improve when poses and depths settle. Solved
 // windows: at most 1 %.
 constexpr double kSettlingShare = 0.02;
+// Sigma scale, over that of the queue's segments, of a window that fits as well as usual.
+constexpr double kUsualMisfit = 1.5;
 
 }  // namespace
 
@@ -39,6 +45,12 @@ CandidateOutlook outlookOf(const Segment& segment, const Camera& camera) {
                       weight * marginal.gradient, weight * marginal.information};
   outlook.usable = std::isfinite(outlook.best.entropy) && std::isfinite(outlook.sigma_scale);
   return outlook;
+}
+
+bool fitsAsUsual(const CandidateOutlook& outlook, const QueueEstimate& queue) {
+  std::vector<double> scales;
+  for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.sigma_scale);
+  return outlook.sigma_scale <= kUsualMisfit * std::max(1.0, median(std::move(scales), 1.0));
 }
 
 }  // namespace camera_self_calibration

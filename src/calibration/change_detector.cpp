@@ -31,8 +31,6 @@ constexpr std::size_t kPools[] = {2, 4, 8};
 constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a drift made stale
 // Residual scale, over that of the queue's segments, of data that fit no lens.
 constexpr double kMaxMisfit = 2.0;
-// Sigma scale, over that of the queue's segments, of a window that fits as well as usual.
-constexpr double kUsualMisfit = 1.5;
 
 std::string withP(const char* text, double p_value) {
   char buffer[200];
@@ -51,12 +49,6 @@ int keyframesBefore(const Segment& window, std::int64_t onset_ns) {
 double usualResidualScale(const QueueEstimate& queue) {
   std::vector<double> scales;
   for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.residual_scale);
-  return std::max(1.0, median(std::move(scales), 1.0));
-}
-
-double usualSigmaScale(const QueueEstimate& queue) {
-  std::vector<double> scales;
-  for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.sigma_scale);
   return std::max(1.0, median(std::move(scales), 1.0));
 }
 
@@ -118,7 +110,7 @@ std::optional<double> ChangeDetector::clearlySame(const CandidateOutlook& outloo
                                                   const QueueSolution& solution) {
   measureInterval(outlook.evidence.end_ns);
   if (suspected_onset_ns > 0 || in_doubt_ || isNewStretch(outlook.evidence.begin_ns) ||
-      outlook.sigma_scale > kUsualMisfit * usualSigmaScale(queue)) {
+      !fitsAsUsual(outlook, queue)) {
     return std::nullopt;
   }
   const auto reference =

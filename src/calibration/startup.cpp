@@ -183,6 +183,7 @@ void Startup::judge() {
   SegmentFitOptions options;
   // From the solution of one keyframe ago. What tells nothing has no sharp optimum to look for.
   options.max_iterations = told_ ? 10 : 4;
+  options.cost_tolerance = 1e-5;  // a hundredth of a sigma
   options.prior = options_.growth.prior;
   const SegmentFit fit = fitSegment(options, &gated, &camera);
   if (!fit.usable || !camera.valid()) return;

@@ -31,7 +31,7 @@ void BackEnd::considerCandidate(const KeyframeMessage& message, std::vector<Even
     report_.queue.last_decision = "discarded: it straddles the change of the lens";
     return;
   }
-  if (handed_over_ && foregone(message)) return;
+  if (foregone(message)) return;
   const Candidate candidate =
       evaluateCandidate(CandidateOptions(), message.candidate, report_.camera);
   ChangeVerdict verdict;
@@ -68,8 +68,12 @@ bool BackEnd::foregone(const KeyframeMessage& message) {
   if (!outlook.usable) return false;
   const QueueDecision decision = queue_.consider(outlook.best, report_.camera);
   if (decision.accepted) return false;
-  const auto p_value =
-      detector_.clearlySame(outlook, message.suspected_onset_ns, estimate_, solution_);
+  std::optional<double> p_value = 1.0;
+  if (handed_over_) {
+    p_value = detector_.clearlySame(outlook, message.suspected_onset_ns, estimate_, solution_);
+  } else if (!fitsAsUsual(outlook, estimate_)) {
+    return false;
+  }
   if (!p_value) return false;
   report_.change_p_value = *p_value;
   report_.queue.last_decision = decision.reason + " (at best: it was not solved)";

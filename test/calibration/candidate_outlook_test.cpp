@@ -48,6 +48,17 @@ TEST(CandidateOutlook, OfNothingIsNotUsable) {
   EXPECT_FALSE(outlookOf(Segment(), ordinaryCameras()[1]).usable);
 }
 
+TEST(CandidateOutlook, FitsAsUsualOnlyWhereItHasSettled) {
+  const Camera lens = ordinaryCameras()[1];
+  QueueEstimate queue(1);
+  queue.add(candidateOf(lens, lens, 100));
+  for (std::uint64_t seed = 1; seed < 4; ++seed) {
+    const Segment window = laterWindow(lens, seed);  // perturbed, not solved
+    EXPECT_FALSE(fitsAsUsual(outlookOf(window, lens), queue)) << seed;
+    EXPECT_TRUE(fitsAsUsual(outlookOf(solvedWith(lens, window), lens), queue)) << seed;
+  }
+}
+
 // A queue, and a detector that remembers the stretch of seed 1.
 struct Watched {
   explicit Watched(const Camera& lens) {
