@@ -3,23 +3,41 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <utility>
 
 #include "camera_self_calibration/estimation/pose_solver.h"
+#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {
 namespace {
 
 constexpr std::size_t kMinSeen = 15;
+constexpr std::size_t kMinAlike = 8;        // of the features matched by their looks alone
 constexpr double kMinShare = 0.35;          // of the matches
 constexpr double kTolerance = 3.0 / 640.0;  // [image widths] A corner is not found twice at a spot.
+constexpr double kReach = 10.0 / 640.0;     // [image widths] Of a prediction.
 constexpr double kMaxPoseSigma = 0.05;      // [median depths]
 constexpr int kMaxSamples = 150;
 constexpr double kMissed = 1e-3;  // probability that no sample was free of wrong matches
 constexpr int kSampleSize = 4;
 constexpr double kHuber = 2.0;
+
+// The point of a map that a feature looks most like.
+struct Nearest {
+  int bits = kMaxDifferingBits + 1;
+  const PlacePoint* point = nullptr;
+};
+
+std::optional<Eigen::Vector2d> seenFrom(const Rigid3& pose, const PlacePoint& point,
+                                        const Camera& camera) {
+  Eigen::Vector2d pixel;
+  const Eigen::Vector3d ray = pose.rotation.conjugate() * directionFrom(point, pose.translation);
+  if (!point.known || !camera.project(ray, &pixel)) return std::nullopt;
+  return pixel;
+}
 
 PointView viewOf(const SeenAgain& seen, double sigma) {
   return {seen.point.direction, seen.point.origin, seen.point.inverse_depth, seen.pixel, sigma};
@@ -43,10 +61,8 @@ std::vector<SeenAgain> agreeing(const std::vector<SeenAgain>& matches, const Rig
   const double limit = kTolerance * camera.width();
   std::vector<SeenAgain> result;
   for (const SeenAgain& seen : matches) {
-    Eigen::Vector2d pixel;
-    const Eigen::Vector3d ray =
-        pose.rotation.conjugate() * directionFrom(seen.point, pose.translation);
-    if (camera.project(ray, &pixel) && (pixel - seen.pixel).norm() < limit) result.push_back(seen);
+    const auto pixel = seenFrom(pose, seen.point, camera);
+    if (pixel && (*pixel - seen.pixel).norm() < limit) result.push_back(seen);
   }
   return result;
 }
@@ -78,6 +94,14 @@ std::vector<SeenAgain> largestAgreement(const Place& place, const std::vector<Se
   return best;
 }
 
+double medianInverseDistance(const RecognizedPlace& place) {
+  std::vector<double> inverse;
+  for (const SeenAgain& seen : place.seen) {
+    inverse.push_back(inverseDistance(seen.point, place.old_from_camera.translation));
+  }
+  return median(std::move(inverse), 1.0);
+}
+
 }  // namespace
 
 std::vector<SeenAgain> matchPlace(const Place& place, const std::vector<Appearance>& appearances) {
@@ -92,26 +116,69 @@ std::vector<SeenAgain> matchPlace(const Place& place, const std::vector<Appearan
   return matches;
 }
 
-std::optional<RecognizedPlace> recognize(const Place& place, const std::vector<SeenAgain>& matches,
-                                         const Camera& camera) {
-  if (matches.size() < kMinSeen) return std::nullopt;
-  RecognizedPlace result;
-  result.map_id = place.map_id;
-  result.seen = largestAgreement(place, matches, camera);
-  PoseEstimate pose;
-  pose.world_from_camera = place.world_from_camera;
-  for (int pass = 0; pass < 2; ++pass) {
-    if (result.seen.size() < kMinSeen) return std::nullopt;
-    const Rigid3 guess = pass == 0 ? turnedTo(place, result.seen, camera) : pose.world_from_camera;
-    pose = poseFrom(result.seen, guess, camera);
-    result.seen = agreeing(matches, pose.world_from_camera, camera);
+std::vector<SeenAgain> matchNear(const std::vector<Place>& places, std::uint64_t map_id,
+                                 const Rigid3& old_from_camera,
+                                 const std::vector<Appearance>& appearances, const Camera& camera) {
+  std::vector<Nearest> nearest(appearances.size());
+  std::map<std::int64_t, int> bits_of_point;  // by track id: the least with any feature
+  const double reach = kReach * camera.width();
+  for (const Place& place : places) {
+    if (place.map_id != map_id) continue;
+    for (std::size_t p = 0; p < place.points.size(); ++p) {
+      const PlacePoint& point = place.points[p];
+      const auto pixel = seenFrom(old_from_camera, point, camera);
+      if (!pixel) continue;
+      for (std::size_t i = 0; i < appearances.size(); ++i) {
+        if ((appearances[i].pixel - *pixel).squaredNorm() > reach * reach) continue;
+        const int bits = differingBits(appearances[i].descriptor, place.descriptors[p]);
+        int& least = bits_of_point.try_emplace(point.track_id, kMaxDifferingBits + 1).first->second;
+        least = std::min(least, bits);
+        if (bits < nearest[i].bits) nearest[i] = {bits, &point};
+      }
+    }
   }
-  const double sigma = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
-  if (!pose.usable || sigma * place.inverse_depth > kMaxPoseSigma) return std::nullopt;
+  std::vector<SeenAgain> matches;
+  for (std::size_t i = 0; i < appearances.size(); ++i) {
+    const PlacePoint* point = nearest[i].point;
+    if (point == nullptr || nearest[i].bits > bits_of_point.at(point->track_id)) continue;
+    matches.push_back({appearances[i].track_id, *point, appearances[i].pixel});
+  }
+  return matches;
+}
+
+std::optional<Rigid3> poseAtPlace(const Place& place, const std::vector<SeenAgain>& matches,
+                                  const Camera& camera) {
+  if (matches.size() < kMinAlike) return std::nullopt;
+  const std::vector<SeenAgain> seen = largestAgreement(place, matches, camera);
+  if (seen.size() < std::max<double>(kMinAlike, kMinShare * matches.size())) return std::nullopt;
+  const PoseEstimate pose = poseFrom(seen, turnedTo(place, seen, camera), camera);
+  return pose.usable ? std::make_optional(pose.world_from_camera) : std::nullopt;
+}
+
+std::optional<RecognizedPlace> confirmPose(const std::vector<Place>& places, std::uint64_t map_id,
+                                           const Rigid3& old_from_camera,
+                                           const std::vector<Appearance>& appearances,
+                                           const Camera& camera) {
+  RecognizedPlace result;
+  result.map_id = map_id;
+  result.old_from_camera = old_from_camera;
+  std::vector<SeenAgain> matches;
+  PoseEstimate pose;
+  for (int pass = 0; pass < 2; ++pass) {
+    matches = matchNear(places, map_id, result.old_from_camera, appearances, camera);
+    result.seen = agreeing(matches, result.old_from_camera, camera);
+    if (result.seen.size() < kMinAlike) result.seen = matches;
+    if (result.seen.size() < kMinAlike) return std::nullopt;
+    pose = poseFrom(result.seen, result.old_from_camera, camera);
+    if (!pose.usable) return std::nullopt;
+    result.old_from_camera = pose.world_from_camera;
+    result.seen = agreeing(matches, result.old_from_camera, camera);
+  }
   if (result.seen.size() < std::max<double>(kMinSeen, kMinShare * matches.size())) {
     return std::nullopt;
   }
-  result.old_from_camera = pose.world_from_camera;
+  const double sigma = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
+  if (!(sigma * medianInverseDistance(result) < kMaxPoseSigma)) return std::nullopt;
   return result;
 }
 

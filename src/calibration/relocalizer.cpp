@@ -102,6 +102,7 @@ void Relocalizer::look(const Map& map, const Camera& camera,
                        const std::vector<Appearance>& appearances) {
   next_look_ = keyframes_ + std::min(keyframes_ / kPatience, kMaxInterval);
   auto place = recognizeAny(camera, appearances);
+  if (!place) place = recognizeExpected(map, camera, appearances);
   if (!place) return;
   next_look_ = keyframes_;
   if (sightings_.size() >= kMaxSightings) sightings_.erase(sightings_.begin());
@@ -132,7 +133,29 @@ std::vector<const Place*> Relocalizer::likelyPlaces(
 std::optional<RecognizedPlace> Relocalizer::recognizeAny(
     const Camera& camera, const std::vector<Appearance>& appearances) const {
   for (const Place* place : likelyPlaces(appearances)) {
-    auto recognized = recognize(*place, matchPlace(*place, appearances), camera);
+    const auto pose = poseAtPlace(*place, matchPlace(*place, appearances), camera);
+    if (!pose) continue;
+    auto recognized = confirmPose(memory_.places(), place->map_id, *pose, appearances, camera);
+    if (recognized) return recognized;
+  }
+  return std::nullopt;
+}
+
+// From where an earlier keyframe was recognised.
+std::optional<RecognizedPlace> Relocalizer::recognizeExpected(
+    const Map& map, const Camera& camera, const std::vector<Appearance>& appearances) const {
+  for (auto sighting = sightings_.rbegin(); sighting != sightings_.rend(); ++sighting) {
+    const Keyframe* then = map.keyframe(sighting->keyframe_id);
+    if (then == nullptr) continue;
+    std::vector<double> log_scales;
+    addLogScales(sighting->place, then->world_from_camera, map, camera, &log_scales);
+    const auto scale = commonScale(log_scales);
+    if (!scale) continue;
+    const Similarity3 old_from_new =
+        similarityBetween(sighting->place.old_from_camera, then->world_from_camera, *scale);
+    const Rigid3 expected = old_from_new * map.keyframes().back().world_from_camera;
+    auto recognized =
+        confirmPose(memory_.places(), sighting->place.map_id, expected, appearances, camera);
     if (recognized) return recognized;
   }
   return std::nullopt;

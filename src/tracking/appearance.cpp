@@ -1,6 +1,7 @@
 #include "camera_self_calibration/tracking/appearance.h"
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <opencv2/features2d.hpp>
 
@@ -10,7 +11,6 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr int kPatchSize = 31;          // [px]
-constexpr float kMaxDistance = 64.0F;   // [bit]
 constexpr float kClearlyNearer = 0.8F;  // than the second nearest
 
 // Direction from a corner to the centroid of the gray values around it: it turns with the camera.
@@ -66,6 +66,14 @@ std::vector<Appearance> describe(const ImageView& image, const std::vector<Track
   return result;
 }
 
+int differingBits(const Descriptor& a, const Descriptor& b) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    count += std::bitset<8>(static_cast<unsigned>(a[i] ^ b[i])).count();
+  }
+  return static_cast<int>(count);
+}
+
 std::vector<std::pair<int, int>> matchAppearances(const std::vector<Descriptor>& a,
                                                   const std::vector<Descriptor>& b) {
   std::vector<std::pair<int, int>> pairs;
@@ -75,7 +83,7 @@ std::vector<std::pair<int, int>> matchAppearances(const std::vector<Descriptor>&
   matcher.knnMatch(rows(a), rows(b), nearest, 2);
   std::vector<const cv::DMatch*> nearest_to_b(b.size(), nullptr);
   for (const std::vector<cv::DMatch>& two : nearest) {
-    if (two.size() < 2 || two[0].distance > kMaxDistance) continue;
+    if (two.size() < 2 || two[0].distance > kMaxDifferingBits) continue;
     const cv::DMatch*& rival = nearest_to_b[static_cast<std::size_t>(two[0].trainIdx)];
     if (rival == nullptr || two[0].distance < rival->distance) rival = &two[0];
   }

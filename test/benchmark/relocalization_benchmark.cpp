@@ -22,14 +22,14 @@ double middle(std::vector<double> values) {
 }
 
 void printTrial(LossKind kind, std::uint64_t seed, const LossOutcome& o) {
-  std::fprintf(
-      stderr,
-      "%-26s seed %2d: lost %d, relocalized %d (elsewhere %d), changes %d, blind %.2f s, "
-      "back %.2f s, map %d, position %.4f of %.2f m, calibration %.3f px (sigma %.3f), %s\n",
-      toString(kind).c_str(), static_cast<int>(seed), o.lost, o.relocalized,
-      o.relocalized_elsewhere, o.changes, o.blind_s, o.relocalized_s, static_cast<int>(o.map_id),
-      o.position_error, o.travelled, o.calibration_error_px, o.after.uncertainty.rms,
-      toString(o.after.state).c_str());
+  std::fprintf(stderr,
+               "%-26s seed %2d: lost %d, relocalized %d (elsewhere %d), changes %d, blind %.2f s, "
+               "back %.2f s, map %d, %.0f %% known before, position %.4f of %.2f m, calibration "
+               "%.3f px (sigma %.3f), %s\n",
+               toString(kind).c_str(), static_cast<int>(seed), o.lost, o.relocalized,
+               o.relocalized_elsewhere, o.changes, o.blind_s, o.relocalized_s,
+               static_cast<int>(o.map_id), 100.0 * o.known_share, o.position_error, o.travelled,
+               o.calibration_error_px, o.after.uncertainty.rms, toString(o.after.state).c_str());
 }
 
 void printRow(LossKind kind, const std::vector<LossOutcome>& outcomes) {

@@ -103,6 +103,38 @@ cv::Mat withPeople(const cv::Mat& image, double time_s, int people, const cv::Ma
   return result;
 }
 
+bool wasSeen(const Scene& scene, const Eigen::Vector3d& point) {
+  constexpr double kBorder = 15.0;  // [px]
+  const World& world = scene.painted->world;
+  for (double t = 0.0; t < kLearning; t += 0.25) {
+    const Rigid3 pose = scene.motion.worldFromCamera(t);
+    Eigen::Vector2d pixel;
+    if (lens().project(pose.inverse() * point, &pixel) && lens().inImage(pixel, kBorder) &&
+        world.visible(pose.translation, point)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+// Of a view, on a grid of pixels: what was seen during the learning.
+double knownShare(const Scene& scene, double time_s) {
+  const Rigid3 pose = scene.motion.worldFromCamera(time_s);
+  int known = 0, all = 0;
+  for (int x = 20; x < lens().width(); x += 20) {
+    for (int y = 20; y < lens().height(); y += 20) {
+      const auto ray = lens().unproject({x, y});
+      if (!ray) continue;
+      const Eigen::Vector3d direction = pose.rotation * *ray;
+      const auto hit = scene.painted->world.castRay(pose.translation, direction);
+      if (!hit) continue;
+      ++all;
+      known += wasSeen(scene, pose.translation + hit->distance * direction);
+    }
+  }
+  return static_cast<double>(known) / std::max(1, all);
+}
+
 cv::Mat clothes(std::uint64_t seed) {
   TextureRecipe recipe;
   recipe.kind = TextureKind::kPoster;
@@ -204,6 +236,7 @@ class Script {
     const Trajectory turning = withTurn(home_.motion, kLearning, kTurn);
     run_.play(blurred.eye, turning, kLearning, kLearning + kTurn);
     usable_s_ = run_.now();
+    outcome_.known_share = knownShare(home_, kLearning + kTurn);
     goOn(kLearning + kTurn, kLearning + 5.0);
   }
 

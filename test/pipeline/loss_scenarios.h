@@ -18,6 +18,8 @@ struct LossOutcome {
   /// kTeleport: the same while in the other room.
   int relocalized_elsewhere = 0;
   double blind_elsewhere_s = 0.0;
+  /// kWhipPan: of what the first usable image shows, the share that was in an image before.
+  double known_share = 0.0;
   std::uint64_t map_id = 0;  ///< In the end; it was 0 before.
   /// Of the poses of map 0 from 3 s before the loss on, after one similarity: rms [m].
   double position_error = 0.0;

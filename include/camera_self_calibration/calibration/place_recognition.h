@@ -28,10 +28,24 @@ struct RecognizedPlace {
 /// Features of the present image that look like points of the place whose depths are known.
 std::vector<SeenAgain> matchPlace(const Place& place, const std::vector<Appearance>& appearances);
 
-/// Whether the present image shows the place: the matches must agree with one pose (eq. 1), found
-/// from many small samples of them. Nothing where too few do, or where they do not determine the
-/// pose. Equal input gives equal results.
-std::optional<RecognizedPlace> recognize(const Place& place, const std::vector<SeenAgain>& matches,
-                                         const Camera& camera);
+/// Features of the present image that look like points of a map where a pose in it says that these
+/// are seen: points of all its places, each once.
+std::vector<SeenAgain> matchNear(const std::vector<Place>& places, std::uint64_t map_id,
+                                 const Rigid3& old_from_camera,
+                                 const std::vector<Appearance>& appearances, const Camera& camera);
+
+/// Where the camera might be if the present image showed the place: the pose that most of the
+/// matches agree with (eq. 1), found from many small samples of them. Nothing where too few do.
+/// Equal input gives equal results.
+std::optional<Rigid3> poseAtPlace(const Place& place, const std::vector<SeenAgain>& matches,
+                                  const Camera& camera);
+
+/// Whether the present image is seen from about that pose: enough of what matches near it
+/// (matchNear) must agree with one pose. Nothing where too little does, or where it does not
+/// determine the pose.
+std::optional<RecognizedPlace> confirmPose(const std::vector<Place>& places, std::uint64_t map_id,
+                                           const Rigid3& old_from_camera,
+                                           const std::vector<Appearance>& appearances,
+                                           const Camera& camera);
 
 }  // namespace camera_self_calibration

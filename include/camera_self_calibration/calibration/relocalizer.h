@@ -22,8 +22,9 @@ struct Relocation {
 
 /// Remembers places, and finds the way back into a map that was lost: keyframes of a new map are
 /// compared with the places of older ones. What is seen again gives the pose in the old map; the
-/// scale comes from the depths that both maps know, once the new one knows them. Two keyframes must
-/// agree on both before it is believed.
+/// scale comes from the depths that both maps know, once the new one knows them. From then on it is
+/// known where later keyframes have to see the points of the old map, which finds far more of them
+/// than looks alone. Two keyframes must agree on pose and scale before it is believed.
 class Relocalizer {
  public:
   /// At most `max_places` keyframes are remembered; 0: none, nothing is ever recognised.
@@ -57,6 +58,8 @@ class Relocalizer {
   std::vector<const Place*> likelyPlaces(const std::vector<Appearance>& appearances) const;
   std::optional<RecognizedPlace> recognizeAny(const Camera& camera,
                                               const std::vector<Appearance>& appearances) const;
+  std::optional<RecognizedPlace> recognizeExpected(
+      const Map& map, const Camera& camera, const std::vector<Appearance>& appearances) const;
   std::optional<Relocation> conclude(const Map& map, const Camera& camera) const;
   static std::optional<Relocation> conclude(const Sighting& a, const Sighting& b, const Map& map,
                                             const Camera& camera);

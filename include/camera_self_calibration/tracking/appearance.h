@@ -30,6 +30,12 @@ using Describe = std::function<std::vector<Appearance>(const std::vector<Track>&
 /// has.
 std::vector<Appearance> describe(const ImageView& image, const std::vector<Track>& tracks);
 
+/// Number of bits that differ.
+int differingBits(const Descriptor& a, const Descriptor& b);
+
+/// Descriptors that differ in more bits than this are not of the same corner.
+constexpr int kMaxDifferingBits = 64;
+
 /// Pairs of indices into `a` and `b` that look alike: the one of `b` is clearly nearer than the
 /// second nearest, and no two of `a` have the same.
 std::vector<std::pair<int, int>> matchAppearances(const std::vector<Descriptor>& a,
