@@ -15,7 +15,8 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr std::size_t kMinSeen = 15;
-constexpr std::size_t kMinAlike = 8;        // of the features matched by their looks alone
+constexpr std::size_t kMinAlike = 12;       // of the features matched by their looks alone
+constexpr std::size_t kFewest = 8;          // that a pose is computed from
 constexpr double kMinShare = 0.35;          // of the matches
 constexpr double kTolerance = 3.0 / 640.0;  // [image widths] A corner is not found twice at a spot.
 constexpr double kReach = 10.0 / 640.0;     // [image widths] Of a prediction.
@@ -167,8 +168,8 @@ std::optional<RecognizedPlace> confirmPose(const std::vector<Place>& places, std
   for (int pass = 0; pass < 2; ++pass) {
     matches = matchNear(places, map_id, result.old_from_camera, appearances, camera);
     result.seen = agreeing(matches, result.old_from_camera, camera);
-    if (result.seen.size() < kMinAlike) result.seen = matches;
-    if (result.seen.size() < kMinAlike) return std::nullopt;
+    if (result.seen.size() < kFewest) result.seen = matches;
+    if (result.seen.size() < kFewest) return std::nullopt;
     pose = poseFrom(result.seen, result.old_from_camera, camera);
     if (!pose.usable) return std::nullopt;
     result.old_from_camera = pose.world_from_camera;
