@@ -42,6 +42,8 @@ void BackEnd::considerRowTime() {
   if (handed_over_) {
     const int wanted = row_time_.settled() ? kSwapsBetween : 1;
     if (swaps_since_row_time_ < wanted || !solution_.usable) return;
+    // One that is settled can wait for a keyframe that did not solve the queue already.
+    if (row_time_.settled() && report_.queue.last_accepted) return;
     swaps_since_row_time_ = 0;
     estimate = estimate_.rowTime(solution_, row_time_.step());
   } else {
