@@ -260,8 +260,9 @@ class Script {
 
 const std::vector<LossKind>& lossKinds() {
   static const std::vector<LossKind> kinds = {
-      LossKind::kBlackout,   LossKind::kOtherWay, LossKind::kTeleport, LossKind::kMirror,
-      LossKind::kRepetitive, LossKind::kWhipPan,  LossKind::kCrowd,    LossKind::kFlicker};
+      LossKind::kBlackout, LossKind::kOtherWay,   LossKind::kTeleport,
+      LossKind::kMirror,   LossKind::kRepetitive, LossKind::kWhipPan,
+      LossKind::kCrowd,    LossKind::kDenseCrowd, LossKind::kFlicker};
   return kinds;
 }
 
