@@ -21,6 +21,7 @@ constexpr int kFirstRetry = 6;
 constexpr int kRetryKeyframes = 12;    // at most, in the comparison of guesses
 constexpr double kClearlyLess = 0.98;  // of a cost: another minimum, not the same one again
 constexpr double kHuber = 2.0;
+constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
 
 std::vector<Camera> otherGuesses(const Camera& initial) {
   std::vector<Camera> guesses;
@@ -70,6 +71,7 @@ Startup::Startup(const StartupOptions& options, const Camera& initial) : options
 void Startup::reset(const Camera& initial) {
   initial_ = camera_ = trusted_ = initial;
   options_.growth.prior = vaguePrior(initial);
+  next_.reset();
   segment_ = Segment();
   information_ = covariance_ = IntrinsicsMatrix();
   uncertainty_ = kUnknown;
@@ -82,6 +84,7 @@ void Startup::reset(const Camera& initial) {
 
 void Startup::switchModel(const Camera& camera) {
   initial_ = camera_ = trusted_ = camera;
+  next_.reset();
   options_.growth.prior = vaguePrior(camera);
   information_ = covariance_ = IntrinsicsMatrix();
   uncertainty_ = kUnknown;
@@ -98,6 +101,14 @@ void Startup::resume(const Camera& camera, const IntrinsicsMatrix& information,
   usable_ = true;
   told_ = tellsLens();
   added_ = static_cast<int>(solved.keyframes.size());
+}
+
+void Startup::beginNextFrom(const Camera& camera, const IntrinsicsMatrix& covariance) {
+  next_ = FirstGuess{camera, vaguePrior(camera)};
+  Intrinsics& sigma = next_->prior.sigma;
+  for (int i = 0; i < covariance.rows(); ++i) {
+    sigma(i) = std::min(sigma(i), kPriorSigmas * std::sqrt(covariance(i, i)));
+  }
 }
 
 Camera Startup::heldCamera() const {
@@ -117,11 +128,7 @@ void Startup::add(const Segment& history) {
   if (continues(segment_, history)) {
     extend(history);
   } else {
-    if (!usable_) camera_ = initial_;  // a lost map is no reason to forget the lens
-    segment_ = history;
-    bootstrap(options_.growth, &segment_, &camera_);
-    added_ = static_cast<int>(history.keyframes.size());
-    next_retry_ = kFirstRetry;
+    beginBatch(history);
   }
   judge();
   if (added_ >= next_retry_ &&
@@ -132,6 +139,21 @@ void Startup::add(const Segment& history) {
     segment_ = withoutKeyframe(
         segment_, leastInformative(options_.choice, segment_, camera_, options_.growth.prior));
   }
+}
+
+// A lost map is no reason to forget the lens.
+void Startup::beginBatch(const Segment& history) {
+  next_retry_ = kFirstRetry;
+  if (next_) {
+    camera_ = next_->camera;
+    options_.growth.prior = next_->prior;
+    next_retry_ = std::numeric_limits<int>::max();  // others would be less than what is known
+  } else if (!usable_) {
+    camera_ = initial_;
+  }
+  segment_ = history;
+  bootstrap(options_.growth, &segment_, &camera_);
+  added_ = static_cast<int>(history.keyframes.size());
 }
 
 void Startup::extend(const Segment& history) {
@@ -165,6 +187,7 @@ void Startup::tryOtherGuesses() {
     better = guess;
   }
   if (!better) return;
+  const Startup before = *this;
   camera_ = *better;
   options_.growth.prior = vaguePrior(camera_);
   adoptPrefix(present, landmark_index, &segment_);
@@ -172,6 +195,14 @@ void Startup::tryOtherGuesses() {
     growByKeyframe(options_.growth, k, &segment_, &camera_);
   }
   judge();
+  // What fits the first keyframes better by chance does not fit the others.
+  if (before.usable_ && !(wholeCost() < kClearlyLess * before.wholeCost())) *this = before;
+}
+
+double Startup::wholeCost() const {
+  if (!usable_) return std::numeric_limits<double>::infinity();
+  Segment whole = segment_;
+  return robustCost(freeBlock(&whole, camera_), camera_, kHuber);
 }
 
 void Startup::judge() {

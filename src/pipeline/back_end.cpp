@@ -58,7 +58,7 @@ BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
   }
   considerModel(message);
   if (!handed_over_) runStartup(message);
-  if (handed_over_ || startup_.tellsLens()) {
+  if (handed_over_ || follows_queue_ || startup_.tellsLens()) {
     considerCandidate(message, &output.events);
   } else {
     report_.queue.last_decision = "not considered: all keyframes together tell nothing yet";
@@ -82,7 +82,7 @@ BackEndOutput BackEnd::finish(BackEndOutput output) {
     output.update->epoch = report_.epoch;
     output.update->row_time_s = row_time_.inUse();
     output.update->onset_ns = epoch_onset_ns_;
-    if (!handed_over_) output.update->solution = startup_.segment();
+    if (!handed_over_ && !follows_queue_) output.update->solution = startup_.segment();
   }
   changed_ = false;
   for (Event& event : output.events) event.epoch = report_.epoch;
@@ -163,13 +163,25 @@ void BackEnd::reportHeldIntrinsics() {
 
 void BackEnd::runStartup(const KeyframeMessage& message) {
   startup_.add(message.history);
-  if (!startup_.usable()) return;
-  // Intrinsics that nothing told would only do harm in front.
-  if (startup_.tellsLens()) changed_ = true;
-  if (report_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
+  if (startup_.usable() && report_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
     clearQueue();  // its segments were scored for another number of parameters
   }
-  adoptStartup();
+  followTheBetter();
+}
+
+// The batch forgets: it begins anew in every map, and in fast motion leaves out the oldest
+// keyframes. The queue does not.
+void BackEnd::followTheBetter() {
+  const bool believed = doubtInQueue().empty();
+  if (believed) startup_.beginNextFrom(solution_.camera, solution_.covariance);
+  follows_queue_ = believed && !(startup_.uncertainty().rms <= queueUncertainty().rms);
+  if (follows_queue_) {
+    adoptSolution();
+  } else if (startup_.usable()) {
+    // Intrinsics that nothing told would only do harm in front.
+    if (startup_.tellsLens()) changed_ = true;
+    adoptStartup();
+  }
 }
 
 void BackEnd::adoptStartup() {
@@ -213,6 +225,7 @@ void BackEnd::clearQueue() {
   queue_.clear();
   estimate_.clear();
   solution_ = QueueSolution();
+  follows_queue_ = false;
 }
 
 bool BackEnd::offer(const Candidate& candidate) {
@@ -253,39 +266,54 @@ void BackEnd::adoptSolution() {
   changed_ = true;
 }
 
+PixelError BackEnd::queueUncertainty() const {
+  return solution_.usable ? pixelUncertainty(solution_.camera, solution_.covariance)
+                          : PixelError{kInfinity, kInfinity};
+}
+
+// Further from the startup batch than the uncertainties of both explain: one of them is wrong.
+bool BackEnd::queueContradictsStartup() const {
+  if (!startup_.tellsLens() || !solution_.usable) return false;
+  const double limit = kMaxStartupDistance * (startup_.uncertainty().rms + queueUncertainty().rms);
+  return !(pixelDistance(solution_.camera, startup_.camera()).rms <= limit);
+}
+
+// Why the queue's estimate is not believed; empty if it is.
+std::string BackEnd::doubtInQueue() const {
+  if (estimate_.candidates().size() < 2 || !solution_.usable) {
+    return "the queue does not hold two separate stretches yet";
+  }
+  if (queueContradictsStartup()) {
+    return format(
+        "the separate stretches and the whole are %.1f px rms apart, at most %.0f times their "
+        "uncertainty is believed",
+        pixelDistance(solution_.camera, startup_.camera()).rms, kMaxStartupDistance);
+  }
+  if (solution_.inflation > kMaxInflation) {
+    return format(
+        "the stretches disagree by %.1f times their uncertainty, at most %.1f is "
+        "believed",
+        solution_.inflation, kMaxInflation);
+  }
+  return "";
+}
+
 void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events) {
-  obstacle_.clear();
   if (options_.choose_model && !model_choice_.settled()) {
     obstacle_ = "the lens model is not chosen yet";
     return;
   }
-  if (!startup_.usable() || estimate_.candidates().size() < 2 || !solution_.usable) {
-    obstacle_ = "the queue does not hold two separate stretches yet";
-    return;
-  }
   const double threshold = 2.0 * convergedRms();
-  const PixelError uncertainty = pixelUncertainty(solution_.camera, solution_.covariance);
-  const double distance = pixelDistance(solution_.camera, startup_.camera()).rms;
-  const double limit = kMaxStartupDistance * (report_.uncertainty.rms + uncertainty.rms);
-  if (!(distance <= limit)) {
-    if (report_.uncertainty.rms < threshold) clearQueue();  // filled from a start that was wrong
-    obstacle_ = format(
-        "the separate stretches and the whole are %.1f px rms apart, at most %.1f is "
-        "believed",
-        distance, limit);
-    return;
+  obstacle_ = doubtInQueue();
+  if (queueContradictsStartup() && startup_.uncertainty().rms < threshold) {
+    clearQueue();  // filled from a start that was wrong
   }
-  if (solution_.inflation > kMaxInflation) {
-    obstacle_ = format(
-        "the stretches disagree by %.1f times their uncertainty, at most %.1f is "
-        "believed",
-        solution_.inflation, kMaxInflation);
-    return;
-  }
-  const double queue_entropy = entropy(solution_.camera, solution_.covariance);
-  if (!(uncertainty.rms < threshold || queue_entropy < options_.handover_entropy)) {
-    obstacle_ = format("the queue is good to %.2f px rms, hand-over is below %.2f px",
-                       uncertainty.rms, threshold);
+  if (!obstacle_.empty() || !startup_.usable()) return;
+  const double uncertainty = queueUncertainty().rms;
+  if (!(uncertainty < threshold ||
+        entropy(solution_.camera, solution_.covariance) < options_.handover_entropy)) {
+    obstacle_ = format("the queue is good to %.2f px rms, hand-over is below %.2f px", uncertainty,
+                       threshold);
     return;
   }
   handed_over_ = true;
@@ -299,9 +327,10 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
 void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   HealthEvidence evidence;
   evidence.keyframes = static_cast<int>(report_.keyframes);
-  evidence.has_estimate = handed_over_ || startup_.usable();
+  const bool by_queue = handed_over_ || follows_queue_;
+  evidence.has_estimate = by_queue || startup_.usable();
   evidence.handed_over = handed_over_;
-  evidence.information = handed_over_ ? solution_.information : startup_.information();
+  evidence.information = by_queue ? solution_.information : startup_.information();
   evidence.uncertainty = report_.uncertainty;
   evidence.threshold_px = convergedRms();
   evidence.epoch = report_.epoch;

@@ -58,10 +58,7 @@ void BackEnd::considerRowTime() {
 // The queue's segments stay, evaluated anew; none that was well posed is lost by it.
 void BackEnd::adoptRowTime() {
   const double row_time_s = row_time_.inUse();
-  if (!handed_over_) {
-    startup_.setRowTime(row_time_s);
-    if (startup_.usable()) adoptStartup();
-  }
+  if (!handed_over_) startup_.setRowTime(row_time_s);
   model_choice_.setRowTime(row_time_s, report_.camera);
   detector_.reset();
   const std::vector<Candidate> candidates = estimate_.candidates();
@@ -79,6 +76,7 @@ void BackEnd::adoptRowTime() {
   report_.queue.swaps = swaps;
   swaps_since_row_time_ = 0;
   if (!estimate_.candidates().empty()) solveQueue();
+  if (!handed_over_) followTheBetter();
   changed_ = true;
 }
 

@@ -58,6 +58,27 @@ TEST(Convergence, WithOutliers) {
   EXPECT_LT(worstSigmas(calibration.report(), truth), 3.5);
 }
 
+TEST(Convergence, AMapLostBeforeHandOverTakesNothingWithIt) {
+  const Camera truth = ordinaryCameras()[1];
+  Options options = optionsFor(truth.model());
+  options.converged_pixel_rms = 1e-3;  // never reached: it stays before hand-over
+  TrackRun calibration(truth, options, TrackRunOptions());
+  calibration.run(250);
+  const CalibrationReport before = calibration.report();
+  ASSERT_FALSE(before.handed_over);
+  ASSERT_LT(before.uncertainty.rms, 1.0);
+  calibration.runBlind(20);
+  calibration.record.reports.clear();
+  calibration.run(60);
+  ASSERT_EQ(calibration.record.count(EventType::kLost), 1);
+  ASSERT_GT(calibration.record.reports.size(), 8u);
+  for (const CalibrationReport& report : calibration.record.reports) {
+    EXPECT_EQ(report.state, CalibrationState::kInitializing) << report.sentence;
+    EXPECT_LT(report.uncertainty.rms, 3.0 * before.uncertainty.rms) << report.sentence;
+    EXPECT_LT(pixelDistance(truth, report.camera).rms, 1.0);
+  }
+}
+
 TEST(Convergence, GivenIntrinsicsAreHeldIfAskedFor) {
   const Camera truth = ordinaryCameras()[1];
   Options options = optionsFor(truth.model());

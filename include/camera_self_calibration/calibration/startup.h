@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+
 #include "camera_self_calibration/calibration/growth.h"
 #include "camera_self_calibration/calibration/keyframe_choice.h"
 #include "camera_self_calibration/calibration/row_time.h"
@@ -39,6 +41,10 @@ class Startup {
   /// Starts again from these intrinsics at the next keyframe.
   void reset(const Camera& initial);
 
+  /// The next batch, in another map, begins with this estimate from elsewhere, and vaguely (five
+  /// sigmas) keeps to it, instead of going on from the intrinsics of the last one.
+  void beginNextFrom(const Camera& camera, const IntrinsicsMatrix& covariance);
+
   /// Goes on from the present poses and depths with these intrinsics, of another model.
   /// Not usable until the next keyframe.
   void switchModel(const Camera& camera);
@@ -75,8 +81,14 @@ class Startup {
   double residualScale() const { return residual_scale_; }
 
  private:
+  struct FirstGuess {
+    Camera camera;
+    IntrinsicsPrior prior;
+  };
+  void beginBatch(const Segment& history);
   void extend(const Segment& history);
   void tryOtherGuesses();
+  double wholeCost() const;  // robust, of the whole batch
   void judge();
   void setInformation(const Marginal& marginal);
   void considerK3(const Segment& gated);
@@ -84,9 +96,10 @@ class Startup {
   StartupOptions options_;
   Camera initial_;
   Camera camera_;
+  std::optional<FirstGuess> next_;
   Camera trusted_;  // of the last keyframe that told the lens; else as initial_
   Segment segment_;
-  Segment gated_;       // as solved last, without outliers
+  Segment gated_;  // as solved last, without outliers
   IntrinsicsMatrix information_;
   IntrinsicsMatrix covariance_;
   PixelError uncertainty_;

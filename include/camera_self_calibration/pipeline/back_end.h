@@ -84,6 +84,10 @@ class BackEnd {
   void restoreShutter(const LearntState& state);
   double convergedRms() const { return options_.convergedRms(report_.camera.width()); }
   void adoptStartup();
+  void followTheBetter();
+  PixelError queueUncertainty() const;
+  bool queueContradictsStartup() const;
+  std::string doubtInQueue() const;
   bool offer(const Candidate& candidate);
   BackEndOutput finish(BackEndOutput output);
   void solveQueue();
@@ -106,8 +110,9 @@ class BackEnd {
   std::deque<std::pair<std::int64_t, Reference>> startup_course_;  // by stamp, of this epoch
   std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch
   bool handed_over_ = false;
-  bool changed_ = false;  // the estimate, by the newest keyframe
-  std::string obstacle_;  // to hand-over
+  bool follows_queue_ = false;  // before hand-over: the queue's estimate is the better one
+  bool changed_ = false;        // the estimate, by the newest keyframe
+  std::string obstacle_;        // to hand-over
   CalibrationReport report_;
 };
 
