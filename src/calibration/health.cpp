@@ -17,14 +17,26 @@ constexpr double kUnobservedEigenvalue = 1e-7;
 // to 0.1 in a batch, by noise in the estimated rotations.
 constexpr double kUselessUncertaintyShare = 0.02;
 
+// What is less than this share of the image that sees is worth a word.
+constexpr double kWholeImage = 0.98;
+
 const char* const kMotionHint =
     "turn the camera about several axes (pan, tilt and roll) while moving it, with near and far "
     "objects in view";
 
-std::string format(const char* text, double a, double b) {
+std::string format(const char* text, double a) {
   char buffer[200];
-  std::snprintf(buffer, sizeof(buffer), text, a, b);
+  std::snprintf(buffer, sizeof(buffer), text, a);
   return buffer;
+}
+
+std::string goodTo(const HealthEvidence& evidence) {
+  return format("good to %.2f px rms over the image", evidence.uncertainty.rms) +
+         (evidence.seeing_share < kWholeImage ? " without its dark rim" : "");
+}
+
+std::string limit(const HealthEvidence& evidence) {
+  return format(" (limit %.2f px)", evidence.threshold_px);
 }
 
 bool isUnobserved(const HealthEvidence& evidence, const Camera& camera) {
@@ -63,8 +75,8 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
   std::string sentence =
       evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
   if (evidence.has_estimate) {
-    sentence += format("; so far good to %.2f px rms over the image (hand-over below %.2f px)",
-                       evidence.uncertainty.rms, 2.0 * evidence.threshold_px);
+    sentence += "; so far " + goodTo(evidence) +
+                format(" (hand-over below %.2f px)", 2.0 * evidence.threshold_px);
     sentence += ", least known: " + weak.name;
   }
   if (!evidence.obstacle.empty()) sentence += "; " + evidence.obstacle;
@@ -78,22 +90,19 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
   const double rms = evidence.uncertainty.rms;
   if (was_converged && rms > evidence.threshold_px) {
     return {CalibrationState::kConverged,
-            format("the calibration had converged, but the newest stretches disagree with it: now "
-                   "good to %.2f px rms over the image only (limit %.2f px)",
-                   rms, evidence.threshold_px),
+            "the calibration had converged, but the newest stretches disagree with it: now only " +
+                goodTo(evidence) + limit(evidence),
             "if this lasts although the lens was not touched, restart the calibration"};
   }
   if (was_converged || (evidence.handed_over && rms <= evidence.threshold_px)) {
     return {CalibrationState::kConverged,
-            format("the calibration is good to %.2f px rms over the image (limit %.2f px)", rms,
-                   evidence.threshold_px),
-            ""};
+            "the calibration is " + goodTo(evidence) + limit(evidence), ""};
   }
   const WeakDirection weak = weakest(evidence, camera);
   if (evidence.handed_over) {
     return {CalibrationState::kConverging,
-            format("the calibration is good to %.2f px rms over the image, %.2f px are wanted", rms,
-                   evidence.threshold_px) +
+            "the calibration is " + goodTo(evidence) +
+                format(", %.2f px are wanted", evidence.threshold_px) +
                 "; least known: " + weak.name,
             weak.hint};
   }

@@ -22,9 +22,9 @@ struct PointDerivatives {
   Matrix23d b;                // d pixel / d rotation of the camera
 };
 
-std::vector<PointDerivatives> gridDerivatives(const Camera& camera) {
+std::vector<PointDerivatives> gridDerivatives(const Camera& camera, const ImageField& field) {
   std::vector<PointDerivatives> all;
-  for (const PixelRay& point : pixelGrid(camera)) {
+  for (const PixelRay& point : pixelGrid(camera, field)) {
     Eigen::Vector2d pixel;
     Matrix23d j;
     PixelIntrinsicsJacobian d_parameters;
@@ -95,8 +95,9 @@ struct CompensatedPixel {
   PixelIntrinsicsJacobian a;
 };
 
-std::vector<CompensatedPixel> compensatedDerivatives(const Camera& camera) {
-  const std::vector<PointDerivatives> grid = gridDerivatives(camera);
+std::vector<CompensatedPixel> compensatedDerivatives(const Camera& camera,
+                                                     const ImageField& field) {
+  const std::vector<PointDerivatives> grid = gridDerivatives(camera, field);
   Eigen::Matrix3d btb = Eigen::Matrix3d::Zero();
   RayIntrinsicsJacobian bta = RayIntrinsicsJacobian::Zero(3, camera.estimatedCount());
   for (const PointDerivatives& point : grid) {
@@ -115,11 +116,12 @@ std::vector<CompensatedPixel> compensatedDerivatives(const Camera& camera) {
 }  // namespace
 
 std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
-                                                 const IntrinsicsMatrix& covariance) {
+                                                 const IntrinsicsMatrix& covariance,
+                                                 const ImageField& field) {
   const int n = camera.estimatedCount();
   if (covariance.rows() != n || covariance.cols() != n || !covariance.allFinite()) return {};
   std::vector<UncertainPixel> result;
-  for (const CompensatedPixel& point : compensatedDerivatives(camera)) {
+  for (const CompensatedPixel& point : compensatedDerivatives(camera, field)) {
     const double trace = (point.a * covariance * point.a.transpose()).trace();
     result.push_back({point.pixel, std::sqrt(std::max(0.0, trace))});
   }
@@ -129,13 +131,14 @@ std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
 IntrinsicsMatrix pixelMetric(const Camera& camera) {
   const int n = camera.estimatedCount();
   IntrinsicsMatrix sum = IntrinsicsMatrix::Zero(n, n);
-  const std::vector<CompensatedPixel> grid = compensatedDerivatives(camera);
+  const std::vector<CompensatedPixel> grid = compensatedDerivatives(camera, {});
   for (const CompensatedPixel& point : grid) sum += point.a.transpose() * point.a;
   return grid.empty() ? sum : IntrinsicsMatrix(sum / static_cast<double>(grid.size()));
 }
 
-PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance) {
-  const std::vector<UncertainPixel> grid = uncertaintyOverImage(camera, covariance);
+PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance,
+                            const ImageField& field) {
+  const std::vector<UncertainPixel> grid = uncertaintyOverImage(camera, covariance, field);
   if (grid.empty()) return {kInfinity, kInfinity};
   PixelError error;
   double sum = 0.0;
@@ -148,11 +151,15 @@ PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covari
 }
 
 PixelError pixelDistance(const Camera& a, const Camera& b, double max_radius_px) {
-  return bestRotation(pixelGrid(a, max_radius_px), b).error;
+  return bestRotation(pixelGrid(a, {}, max_radius_px), b).error;
+}
+
+PixelError pixelDistance(const Camera& a, const Camera& b, const ImageField& field) {
+  return bestRotation(pixelGrid(a, field), b).error;
 }
 
 PixelDifference pixelDifference(const Camera& a, const Camera& b, double max_radius_px) {
-  const std::vector<PixelRay> grid = pixelGrid(a, max_radius_px);
+  const std::vector<PixelRay> grid = pixelGrid(a, {}, max_radius_px);
   const BestRotation best = bestRotation(grid, b);
   PixelDifference difference;
   difference.error = best.error;

@@ -2,24 +2,25 @@
 
 namespace camera_self_calibration {
 
-std::vector<PixelRay> pixelGrid(const Camera& camera, double max_radius_px) {
+std::vector<PixelRay> pixelGrid(const Camera& camera, const ImageField& field,
+                                double max_radius_px) {
   const Eigen::Vector2d centre = camera.parameters().segment<2>(2);
-  return pixelGrid(camera.width(), camera.height(), [&](const Eigen::Vector2d& pixel) {
+  const auto unproject = [&](const Eigen::Vector2d& pixel) {
     return (pixel - centre).norm() > max_radius_px ? std::nullopt : camera.unproject(pixel);
-  });
+  };
+  return pixelGrid(camera.width(), camera.height(), unproject, field);
 }
 
 std::vector<PixelRay> pixelGrid(
     int width, int height,
-    const std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>& unproject) {
-  constexpr int kColumns = 40;
-  constexpr int kRows = 30;
+    const std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>& unproject,
+    const ImageField& field) {
   std::vector<PixelRay> grid;
-  grid.reserve(kColumns * kRows);
-  for (int row = 0; row < kRows; ++row) {
-    for (int column = 0; column < kColumns; ++column) {
-      const Eigen::Vector2d pixel(column * (width - 1) / (kColumns - 1.0),
-                                  row * (height - 1) / (kRows - 1.0));
+  grid.reserve(ImageField::kColumns * ImageField::kRows);
+  for (int row = 0; row < ImageField::kRows; ++row) {
+    for (int column = 0; column < ImageField::kColumns; ++column) {
+      if (!field.sees(column, row)) continue;
+      const Eigen::Vector2d pixel = ImageField::pixel(column, row, width, height);
       if (const auto ray = unproject(pixel)) grid.push_back({pixel, *ray});
     }
   }

@@ -12,6 +12,7 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr PixelError kUnknown = {kInfinity, kInfinity};
 // Segments that disagree by more than this factor of their uncertainties are not describing one
 // camera, or one of them sits in a wrong minimum.
 constexpr double kMaxInflation = 5.0;
@@ -42,12 +43,13 @@ BackEnd::BackEnd(const Options& options, const Camera& camera)
       detector_(options.false_alarms_per_hour),
       row_time_(options.readout_s / rowSteps(camera.height()), rowSteps(camera.height())) {
   report_.camera = camera;
-  report_.uncertainty = {kInfinity, kInfinity};
+  report_.uncertainty = kUnknown;
   report_.entropy = kInfinity;
 }
 
 BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
   const KeyframeMessage message = freed(seen);
+  field_ = message.field;
   BackEndOutput output;
   report_.stamp_ns = message.candidate.endNs();
   report_.keyframes = message.keyframes;
@@ -174,7 +176,7 @@ void BackEnd::runStartup(const KeyframeMessage& message) {
 void BackEnd::followTheBetter() {
   const bool believed = doubtInQueue().empty();
   if (believed) startup_.beginNextFrom(solution_.camera, solution_.covariance);
-  follows_queue_ = believed && !(startup_.uncertainty().rms <= queueUncertainty().rms);
+  follows_queue_ = believed && !(startupUncertainty().rms <= queueUncertainty().rms);
   if (follows_queue_) {
     adoptSolution();
   } else if (startup_.usable()) {
@@ -187,7 +189,7 @@ void BackEnd::followTheBetter() {
 void BackEnd::adoptStartup() {
   report_.camera = startup_.heldCamera();
   report_.covariance = startup_.covariance();
-  report_.uncertainty = startup_.uncertainty();
+  report_.uncertainty = startupUncertainty();
   report_.entropy =
       report_.covariance.size() > 0 ? entropy(report_.camera, report_.covariance) : kInfinity;
 }
@@ -261,21 +263,27 @@ void BackEnd::solveQueue() {
 void BackEnd::adoptSolution() {
   report_.camera = solution_.camera;
   report_.covariance = solution_.covariance;
-  report_.uncertainty = pixelUncertainty(report_.camera, report_.covariance);
+  report_.uncertainty = pixelUncertainty(report_.camera, report_.covariance, field_);
   report_.entropy = entropy(report_.camera, report_.covariance);
   changed_ = true;
 }
 
+PixelError BackEnd::startupUncertainty() const {
+  return startup_.usable() && startup_.covariance().size() > 0
+             ? pixelUncertainty(startup_.camera(), startup_.covariance(), field_)
+             : kUnknown;
+}
+
 PixelError BackEnd::queueUncertainty() const {
-  return solution_.usable ? pixelUncertainty(solution_.camera, solution_.covariance)
-                          : PixelError{kInfinity, kInfinity};
+  return solution_.usable ? pixelUncertainty(solution_.camera, solution_.covariance, field_)
+                          : kUnknown;
 }
 
 // Further from the startup batch than the uncertainties of both explain: one of them is wrong.
 bool BackEnd::queueContradictsStartup() const {
   if (!startup_.tellsLens() || !solution_.usable) return false;
-  const double limit = kMaxStartupDistance * (startup_.uncertainty().rms + queueUncertainty().rms);
-  return !(pixelDistance(solution_.camera, startup_.camera()).rms <= limit);
+  const double limit = kMaxStartupDistance * (startupUncertainty().rms + queueUncertainty().rms);
+  return !(pixelDistance(solution_.camera, startup_.camera(), field_).rms <= limit);
 }
 
 // Why the queue's estimate is not believed; empty if it is.
@@ -287,7 +295,7 @@ std::string BackEnd::doubtInQueue() const {
     return format(
         "the separate stretches and the whole are %.1f px rms apart, at most %.0f times their "
         "uncertainty is believed",
-        pixelDistance(solution_.camera, startup_.camera()).rms, kMaxStartupDistance);
+        pixelDistance(solution_.camera, startup_.camera(), field_).rms, kMaxStartupDistance);
   }
   if (solution_.inflation > kMaxInflation) {
     return format(
@@ -305,7 +313,7 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
   }
   const double threshold = 2.0 * convergedRms();
   obstacle_ = doubtInQueue();
-  if (queueContradictsStartup() && startup_.uncertainty().rms < threshold) {
+  if (queueContradictsStartup() && startupUncertainty().rms < threshold) {
     clearQueue();  // filled from a start that was wrong
   }
   if (!obstacle_.empty() || !startup_.usable()) return;
@@ -332,6 +340,7 @@ void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   evidence.handed_over = handed_over_;
   evidence.information = by_queue ? solution_.information : startup_.information();
   evidence.uncertainty = report_.uncertainty;
+  evidence.seeing_share = field_.share();
   evidence.threshold_px = convergedRms();
   evidence.epoch = report_.epoch;
   evidence.obstacle = obstacle_;

@@ -249,6 +249,7 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
   output->result.keyframe_id = keyframe.id;
   last_stamp_ns_ = frame.stamp_ns;
   output->keyframe = keyframeMessage();
+  output->keyframe->field = frame.field;
 }
 
 }  // namespace camera_self_calibration

@@ -135,7 +135,7 @@ void BackEnd::followDrift(const ChangeVerdict& verdict) {
 }
 
 void BackEnd::recallSetting(std::vector<Event>* events) {
-  if (!startup_.usable() || !(startup_.uncertainty().rms < convergedRms())) return;
+  if (!startup_.usable() || !(startupUncertainty().rms < convergedRms())) return;
   const std::optional<Setting> setting =
       settings_.recall(startup_.camera(), startup_.information(), convergedRms());
   if (!setting) return;

@@ -30,7 +30,7 @@ void freeOf(double row_time_s, const Camera& camera, bool scene_known, Segment* 
 // The front end may know an older row time.
 KeyframeMessage BackEnd::freed(const KeyframeMessage& message) const {
   KeyframeMessage result = message;
-  const bool scene_known = handed_over_ || startup_.tellsLens();
+  const bool scene_known = handed_over_ || follows_queue_ || startup_.tellsLens();
   freeOf(row_time_.inUse(), report_.camera, scene_known, &result.candidate);
   freeOf(row_time_.inUse(), report_.camera, scene_known, &result.history);
   return result;

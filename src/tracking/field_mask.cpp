@@ -50,4 +50,16 @@ bool FieldMask::touches(int x, int y, int radius) const {
   return false;
 }
 
+ImageField FieldMask::field(int width, int height) const {
+  ImageField field;
+  for (int row = 0; row < ImageField::kRows; ++row) {
+    for (int column = 0; column < ImageField::kColumns; ++column) {
+      const Eigen::Vector2i at =
+          ImageField::pixel(column, row, width, height).array().round().cast<int>();
+      if (touches(at.x(), at.y(), 0)) field.setDark(column, row);
+    }
+  }
+  return field.share() > 0.0 ? field : ImageField();
+}
+
 }  // namespace camera_self_calibration

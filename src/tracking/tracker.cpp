@@ -243,6 +243,7 @@ std::vector<Track> Tracker::detect() {
   std::vector<Track> started;
   if (!impl_->usable || impl_->free_patches.empty()) return started;
   impl_->mask.update();
+  impl_->frame.field = impl_->mask.field(impl_->frame.width, impl_->frame.height);
   const double area = static_cast<double>(impl_->frame.width) * impl_->frame.height;
   const int cell = std::max(1, static_cast<int>(std::sqrt(area / impl_->options.max_features)));
   for (const Corner& corner : impl_->harris.detect(impl_->current, kBorder, cell)) {

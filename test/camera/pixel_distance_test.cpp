@@ -78,6 +78,29 @@ TEST(PixelUncertainty, IsThePixelMetricsTrace) {
   }
 }
 
+TEST(PixelUncertainty, LeavesOutWhatIsDark) {
+  // The corners are where a distortion that is not known does most harm.
+  const Camera camera = sampleCameras()[15];
+  const IntrinsicsMatrix covariance = exampleCovariance(camera);
+  const double radius = 0.5 * camera.height();
+  ImageField field;
+  for (int row = 0; row < ImageField::kRows; ++row) {
+    for (int column = 0; column < ImageField::kColumns; ++column) {
+      const Eigen::Vector2d pixel = ImageField::pixel(column, row, camera.width(), camera.height());
+      const Eigen::Vector2d centre(0.5 * camera.width(), 0.5 * camera.height());
+      if ((pixel - centre).norm() > radius) field.setDark(column, row);
+    }
+  }
+  const PixelError whole = pixelUncertainty(camera, covariance);
+  const PixelError seen = pixelUncertainty(camera, covariance, field);
+  EXPECT_LT(seen.max, whole.max);
+  EXPECT_LT(seen.rms, whole.rms);
+  EXPECT_GT(seen.rms, 0.0);
+  Camera other = camera;
+  other.setParameters(camera.parameters() * 1.01);
+  EXPECT_LT(pixelDistance(camera, other, field).rms, pixelDistance(camera, other).rms);
+}
+
 TEST(PixelUncertainty, InfiniteWithoutAFiniteCovariance) {
   const Camera camera = sampleCameras()[3];
   IntrinsicsMatrix covariance = exampleCovariance(camera);

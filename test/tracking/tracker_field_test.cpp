@@ -83,6 +83,30 @@ TEST(TrackerField, ACircularFieldIsFoundByItself) {
   EXPECT_GT(follow(&tracker, 10, 20, dim, inside), 30u);
 }
 
+TEST(TrackerField, TellsWhichPartOfTheImageSees) {
+  Tracker tracker{TrackerOptions()};
+  EXPECT_EQ(tracker.track(viewOf(fisheye(0), 0)).field.share(), 1.0);  // nobody looked yet
+  tracker.detect();
+  const ImageField field = tracker.track(viewOf(fisheye(1), 1)).field;
+  for (int row = 0; row < ImageField::kRows; ++row) {
+    for (int column = 0; column < ImageField::kColumns; ++column) {
+      const Eigen::Vector2d pixel = ImageField::pixel(column, row, kWidth, kHeight);
+      const double radius = (pixel - Eigen::Vector2d(kCentre.x, kCentre.y)).norm();
+      if (std::abs(radius - kRadius) < kRimMargin) continue;
+      EXPECT_EQ(field.sees(column, row), radius < kRadius) << pixel.transpose();
+    }
+  }
+  EXPECT_NEAR(field.share(), M_PI * kRadius * kRadius / (kWidth * kHeight), 0.03);
+}
+
+TEST(TrackerField, ACoveredLensTellsNothingOfTheField) {
+  Tracker tracker{TrackerOptions()};
+  const cv::Mat black(kHeight, kWidth, CV_8UC1, cv::Scalar(5));
+  tracker.track(viewOf(black, 0));
+  tracker.detect();
+  EXPECT_EQ(tracker.track(viewOf(black, 1)).field.share(), 1.0);
+}
+
 TEST(TrackerField, TheMaskKeepsFeaturesOffTheRobot) {
   // Of half the resolution: it is scaled. The lower left shows a gripper.
   cv::Mat mask(kHeight / 2, kWidth / 2, CV_8UC1, cv::Scalar(255));

@@ -26,6 +26,7 @@ struct HealthEvidence {
   bool handed_over = false;      ///< The queue's estimate has taken over from the startup batch.
   IntrinsicsMatrix information;  ///< Of the estimate.
   PixelError uncertainty;        ///< [px]
+  double seeing_share = 1.0;     ///< Of the image; the rest is dark and not counted.
   double threshold_px = 1.0;     ///< CONVERGED at or below this rms.
   std::uint64_t epoch = 0;       ///< How often the lens changed so far.
   std::string obstacle;          ///< Why there was no hand-over yet, in words; may be empty.

@@ -1,11 +1,12 @@
 #pragma once
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/image_field.h"
 
 namespace camera_self_calibration {
 
 /// An error over the image, in pixels: root mean square and largest value over a 40 x 30 grid of
-/// the pixels that have a ray, the image's border included.
+/// the pixels that have a ray, the image's border included, and that see the scene (ImageField).
 struct PixelError {
   double rms = 0.0;
   double max = 0.0;
@@ -15,7 +16,8 @@ struct PixelError {
 /// fixed, after removing what a rotation B omega of the camera absorbs:
 /// `A' = A - B (sum B^T B)^-1 sum B^T A`, per grid point `A' C A'^T`, rms = sqrt(mean trace),
 /// max = sqrt(max trace). Infinite where the covariance is not finite.
-PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance);
+PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance,
+                            const ImageField& field = {});
 
 /// A pixel and the expected error (1 sigma, both axes together) of a projection there [px].
 struct UncertainPixel {
@@ -25,7 +27,8 @@ struct UncertainPixel {
 
 /// What pixelUncertainty() sums up, point by point of its grid; empty where that is infinite.
 std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
-                                                 const IntrinsicsMatrix& covariance);
+                                                 const IntrinsicsMatrix& covariance,
+                                                 const ImageField& field = {});
 
 /// n_c x n_c matrix G such that a small change d of the intrinsics moves projections by
 /// `sqrt(d^T G d)` px rms over the image, rotation compensated: pixelUncertainty() is the root of
@@ -37,5 +40,8 @@ IntrinsicsMatrix pixelMetric(const Camera& camera);
 /// pixel of `a` projects in `b`. Grid points further than `max_radius_px` from a's principal point
 /// are left out.
 PixelError pixelDistance(const Camera& a, const Camera& b, double max_radius_px = 1e9);
+
+/// As above, over the part of the image that sees the scene.
+PixelError pixelDistance(const Camera& a, const Camera& b, const ImageField& field);
 
 }  // namespace camera_self_calibration

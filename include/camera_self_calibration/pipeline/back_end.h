@@ -85,6 +85,7 @@ class BackEnd {
   double convergedRms() const { return options_.convergedRms(report_.camera.width()); }
   void adoptStartup();
   void followTheBetter();
+  PixelError startupUncertainty() const;
   PixelError queueUncertainty() const;
   bool queueContradictsStartup() const;
   std::string doubtInQueue() const;
@@ -106,6 +107,7 @@ class BackEnd {
   RowTime row_time_;
   int row_time_keyframes_ = 0;    // of the startup batch, when it was asked last
   int swaps_since_row_time_ = 0;  // changes of the queue since it was asked for the row time
+  ImageField field_;              // the part of the image that sees
   SettingArchive settings_;       // of earlier epochs
   std::deque<std::pair<std::int64_t, Reference>> startup_course_;  // by stamp, of this epoch
   std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch

@@ -36,7 +36,7 @@ struct CalibrationUpdate {
   /// Startup: poses and depths solved together with the intrinsics.
   std::optional<Segment> solution;
   std::uint64_t epoch = 0;
-  double row_time_s = 0.0;  ///< Of the rolling shutter, between rows [s].
+  double row_time_s = 0.0;    ///< Of the rolling shutter, between rows [s].
   std::int64_t onset_ns = 0;  ///< Of the epoch: stamp of the first keyframe with the present lens.
 };
 
@@ -48,6 +48,7 @@ struct KeyframeMessage {
   Segment history;             ///< For the startup batch; empty after hand-over.
   /// When the tracks began to fit less well than usual [ns]; 0: they do not (InnovationMonitor).
   std::int64_t suspected_onset_ns = 0;
+  ImageField field = {};  ///< The part of the image that sees the scene, as far as known.
 };
 
 struct FrontEndOutput {

@@ -3,6 +3,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "camera_self_calibration/camera/image_field.h"
 #include "camera_self_calibration/tracking/pyramid.h"
 
 namespace camera_self_calibration {
@@ -19,6 +20,9 @@ class FieldMask {
 
   /// Whether the square of half width `radius` [px] around a pixel touches a dark region.
   bool touches(int x, int y, int radius) const;
+
+  /// The same for an image of this size [px]; all of it sees as long as all of it is dark.
+  ImageField field(int width, int height) const;
 
  private:
   cv::Mat brightest_;

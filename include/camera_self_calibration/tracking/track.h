@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "camera_self_calibration/camera/image_field.h"
+
 namespace camera_self_calibration {
 
 /// How a feature moves through the images, as they are stamped.
@@ -27,6 +29,7 @@ struct TrackedFrame {
   int width = 0;   ///< Of the image [px].
   int height = 0;  ///< Of the image [px].
   std::vector<Track> tracks;
+  ImageField field = {};  ///< What is dark in all images so far is no part of it.
 };
 
 }  // namespace camera_self_calibration
