@@ -1,7 +1,8 @@
 // How the tracker's errors hang together: along a track, by the distance in time, and between the
-// tracks of one image. Rendered rooms of random lens, noise and motion, against exact points.
+// tracks of one image; and whether the tracker's sigma knows of them where features move fast and
+// are blurred. Rendered rooms of random lens, noise and motion, against exact points.
 //
-//   track_error_benchmark [SEQUENCES [SECONDS]]
+//   track_error_benchmark [SEQUENCES [SECONDS [EXPOSURE_S [SPEED]]]]
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -19,6 +20,7 @@ namespace {
 
 constexpr std::array<int, 7> kLags = {1, 2, 5, 10, 20, 40, 80};  // images
 constexpr double kGross = 1.0;  // [px] Outliers are another matter.
+constexpr std::array<double, 5> kPaces = {2.0, 5.0, 10.0, 20.0, 1e9};  // [px per image] at most
 
 struct Products {
   double sum = 0.0;
@@ -33,7 +35,17 @@ struct Products {
   double correlation() const { return squares > 0.0 ? sum / squares : NAN; }
 };
 
+// Of the features that move at some pace.
+struct PaceErrors {
+  double count = 0.0;
+  double gross = 0.0;
+  double square = 0.0;  // of errors, per axis; gross ones left out
+  double sigma2 = 0.0;
+  double z2 = 0.0;
+};
+
 struct Errors {
+  std::array<PaceErrors, kPaces.size()> by_pace;
   std::array<Products, kLags.size()> along_track;
   Products between_tracks;
   double z2 = 0.0;
@@ -87,11 +99,28 @@ void addImage(const ErrorsOfImages& images, int image,
   }
 }
 
+void addPace(const TrackSample& sample, Errors* errors) {
+  const double pace = (sample.truth - sample.last_truth).norm();
+  if (!std::isfinite(pace) || sample.age == 0) return;
+  std::size_t bin = 0;
+  while (pace > kPaces[bin]) ++bin;
+  PaceErrors& at = errors->by_pace[bin];
+  at.count += 1.0;
+  if (!(sample.error.norm() < kGross)) {
+    at.gross += 1.0;
+    return;
+  }
+  at.square += 0.5 * sample.error.squaredNorm();
+  at.sigma2 += sample.sigma * sample.sigma;
+  at.z2 += 0.5 * sample.error.squaredNorm() / (sample.sigma * sample.sigma);
+}
+
 void addSequence(const SimulatedSequence& sequence, Errors* errors) {
   ErrorsOfImages images;
   for (const TrackSample& sample : trackScene(sceneOf(sequence), sequence.size(), 5)) {
     if (sample.hidden) continue;
     errors->count += 1.0;
+    addPace(sample, errors);
     if (!(sample.error.norm() < kGross)) {
       errors->gross += 1.0;
       continue;
@@ -115,6 +144,20 @@ void print(const Errors& errors) {
               errors.between_tracks.correlation());
 }
 
+void printPaces(const Errors& errors) {
+  std::printf(
+      "| pace, at most [px per image] | measurements | off by more than a pixel [%%] | rms error "
+      "[px] | rms sigma [px] | rms z |\n|---|---|---|---|---|---|\n");
+  for (std::size_t i = 0; i < kPaces.size(); ++i) {
+    const PaceErrors& at = errors.by_pace[i];
+    const double fair = at.count - at.gross;
+    if (!(fair > 0.0)) continue;
+    std::printf("| %.0f | %.0f | %.2f | %.4f | %.4f | %.2f |\n", kPaces[i], at.count,
+                100.0 * at.gross / at.count, std::sqrt(at.square / fair),
+                std::sqrt(at.sigma2 / fair), std::sqrt(at.z2 / fair));
+  }
+}
+
 }  // namespace
 }  // namespace camera_self_calibration
 
@@ -122,15 +165,21 @@ int main(int argc, char** argv) {
   using namespace camera_self_calibration;
   const int sequences = argc > 1 ? std::atoi(argv[1]) : 8;
   const double seconds = argc > 2 ? std::atof(argv[2]) : 10.0;
-  if (sequences < 1 || !(seconds > 1.0)) {
-    std::fprintf(stderr, "usage: %s [SEQUENCES [SECONDS]]\n", argv[0]);
+  const double exposure_s = argc > 3 ? std::atof(argv[3]) : 0.0;
+  const double speed = argc > 4 ? std::atof(argv[4]) : 1.0;
+  if (sequences < 1 || !(seconds > 1.0) || !(exposure_s >= 0.0) || !(speed > 0.0)) {
+    std::fprintf(stderr, "usage: %s [SEQUENCES [SECONDS [EXPOSURE_S [SPEED]]]]\n", argv[0]);
     return 1;
   }
   Errors errors;
   for (int i = 0; i < sequences; ++i) {
     const auto model = static_cast<CameraModel>(i % 4);
-    addSequence(SimulatedSequence(randomSequence(model, seconds, i, "").options), &errors);
+    SequenceOptions options = randomSequence(model, seconds, i, "").options;
+    options.renderer.exposure_s = exposure_s;
+    options.motion.speed *= speed;
+    addSequence(SimulatedSequence(options), &errors);
   }
   print(errors);
+  printPaces(errors);
   return 0;
 }
