@@ -1,6 +1,7 @@
 // Change detection on simulated feature tracks.
 //   change_benchmark delays TRIALS [FIRST_SEED]         delay by kind and size of the change
 //   change_benchmark alarms HOURS RATE [FIRST_SEED]     alarms while nothing changes
+//   change_benchmark many CHANGES [SECONDS] [SEED]      time and memory over many changes
 // Trials of different seeds are independent: several processes may share the work.
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/many_changes.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
@@ -253,8 +255,14 @@ int main(int argc, char** argv) {
     return benchmarkAlarms(std::atof(argv[2]), std::atof(argv[3]),
                            static_cast<std::uint64_t>(number(4, 1)));
   }
+  if (mode == "many") {
+    printManyChanges(std::max(1, std::atoi(argv[2])), std::max(1.0, number(3, 8.0)),
+                     static_cast<std::uint64_t>(number(4, 1)));
+    return 0;
+  }
   std::fprintf(stderr,
                "usage: change_benchmark delays TRIALS [FIRST_SEED]\n"
-               "       change_benchmark alarms HOURS RATE [FIRST_SEED]\n");
+               "       change_benchmark alarms HOURS RATE [FIRST_SEED]\n"
+               "       change_benchmark many CHANGES [SECONDS] [SEED]\n");
   return 1;
 }

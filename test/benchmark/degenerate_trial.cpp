@@ -1,13 +1,11 @@
 #include "benchmark/degenerate_trial.h"
 
-#include <malloc.h>
-
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <memory>
 #include <optional>
 
+#include "benchmark/process_cost.h"
 #include "benchmark/trial_tracks.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
@@ -19,22 +17,6 @@ namespace {
 
 constexpr std::int64_t kStartNs = 1000000000;
 constexpr int kKeyframesToJudge = 12;
-
-double cpuSeconds() {
-  timespec now;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
-// Bytes in use of the whole process.
-double heapBytes() {
-#if __GLIBC_PREREQ(2, 33)
-  const struct mallinfo2 info = mallinfo2();
-#else
-  const struct mallinfo info = mallinfo();
-#endif
-  return static_cast<double>(info.uordblks) + static_cast<double>(info.hblkhd);
-}
 
 char initialOf(CalibrationState state) {
   switch (state) {
@@ -68,13 +50,13 @@ class Runner {
   }
 
   DegenerateOutcome run() {
-    const double begin = cpuSeconds();
+    const double begin = threadCpuSeconds();
     const double first_s = trial_.good_first ? trial_.good_s : trial_.degenerate_s;
     const int first = static_cast<int>((trial_.skip_first ? first_s : 0.0) * trial_.rate_hz);
     const int end = static_cast<int>((trial_.degenerate_s + trial_.good_s) * trial_.rate_hz);
     for (int i = first; i < end && !isOver(); ++i) step(i);
     closeExpense();
-    outcome_.cpu_s = cpuSeconds() - begin;
+    outcome_.cpu_s = threadCpuSeconds() - begin;
     outcome_.final_state = toString(report_.state);
     if (outcome_.state.empty()) outcome_.state = outcome_.final_state;
     outcome_.error_px = distanceToTruth(report_.camera);
@@ -181,9 +163,9 @@ class Runner {
     };
     const int keyframes_before = keyframes_;
     const double bytes_before = heapBytes();
-    const double begin = cpuSeconds();
+    const double begin = threadCpuSeconds();
     calibrator_->processTracks(frame, detect);
-    const double seconds = cpuSeconds() - begin;
+    const double seconds = threadCpuSeconds() - begin;
     held_bytes_ += heapBytes() - bytes_before - simulator_bytes;
     account(seconds, keyframes_ > keyframes_before);
   }
