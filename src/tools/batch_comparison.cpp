@@ -19,7 +19,9 @@ constexpr int kInterval = 20;
 constexpr double kGrowth = 0.25;
 
 const BatchEstimate* comparable(const CalibrationReport& queue, const BatchComparison& comparison) {
-  if (comparison.batch.empty() || queue.covariance.size() == 0) return nullptr;
+  if (comparison.batch.size() <= comparison.present_lens || queue.covariance.size() == 0) {
+    return nullptr;
+  }
   const BatchEstimate& batch = comparison.batch.back();
   const bool same = batch.covariance.rows() == queue.covariance.rows() &&
                     batch.camera.model() == queue.camera.model();
@@ -61,7 +63,12 @@ void BatchComparer::add(const KeyframeMessage& message, const Camera& first) {
 
 void BatchComparer::add(const CalibrationReport& report) {
   // Another lens: what was seen through the old one does not belong to it.
-  if (report.epoch != newest_.epoch) trajectory_ = TrajectoryBatch();
+  if (report.epoch != newest_.epoch) {
+    trajectory_ = TrajectoryBatch();
+    solved_ = 0;
+    result_.present_lens = result_.batch.size();
+    result_.changes = report.epoch;
+  }
   newest_ = report;
   for (OtherSize& other : others_) {
     if (!other.back_end) other.run.reports.push_back(report);
@@ -80,6 +87,7 @@ void BatchComparer::solve() {
   BatchEstimate estimate = trajectory_.solve(newest_.camera, options_.solver_threads);
   estimate.keyframes = static_cast<int>(newest_.keyframes);  // on the run's own count
   result_.batch.push_back(estimate);
+  result_.solved_keyframes = solved_;
 }
 
 BatchComparison BatchComparer::finish() {
@@ -93,9 +101,14 @@ std::string batchText(const CalibrationReport& queue, const BatchComparison& com
   const BatchEstimate* batch = comparable(queue, comparison);
   if (batch == nullptr) return {};
   std::ostringstream text;
-  text << "whole-trajectory batch: " << batch->keyframes << " keyframes, " << batch->observations
-       << " observations" << (batch->converged ? "" : ", not converged") << '\n'
-       << std::fixed
+  text << "whole-trajectory batch: " << comparison.solved_keyframes << " keyframes, "
+       << batch->observations << " observations" << (batch->converged ? "" : ", not converged")
+       << '\n';
+  if (comparison.changes > 0) {
+    text << "  of the present lens alone: it changed " << comparison.changes
+         << (comparison.changes == 1 ? " time" : " times") << " before\n";
+  }
+  text << std::fixed
        << "  parameter |        queue |      sigma |        batch |      sigma | difference\n";
   const std::vector<std::string> names = queue.camera.parameterNames();
   for (Eigen::Index i = 0; i < queue.covariance.rows(); ++i) {
@@ -123,7 +136,8 @@ std::string batchJson(const CalibrationReport& queue, const BatchComparison& com
     differences.emplace_back(name, json::number(efficientDifference(queue, *batch, i)));
   }
   return json::object(
-      {{"keyframes", json::number(static_cast<std::int64_t>(batch->keyframes))},
+      {{"keyframes", json::number(static_cast<std::int64_t>(comparison.solved_keyframes))},
+       {"epoch", json::number(static_cast<std::int64_t>(comparison.changes))},
        {"observations", json::number(static_cast<std::int64_t>(batch->observations))},
        {"params", json::object(parameters)},
        {"sigma", json::object(sigmas)},

@@ -19,12 +19,17 @@ struct QueueSizeRun {
 
 /// A run beside its whole-trajectory batch (section III).
 struct BatchComparison {
-  std::vector<BatchEstimate> batch;  ///< At intervals, the last one over all keyframes.
+  /// At intervals, the last one over all keyframes with the present lens.
+  std::vector<BatchEstimate> batch;
+  std::size_t present_lens = 0;  ///< The first estimate of it among them.
+  std::uint64_t changes = 0;     ///< Of the lens, before it.
+  int solved_keyframes = 0;      ///< In the last estimate.
   std::vector<QueueSizeRun> sizes;
 };
 
-/// Watches a run: solves the whole trajectory at intervals that grow with its length, and runs
-/// further back ends, with queues of 5, 10, 15 and 20 segments, on the same keyframes.
+/// Watches a run: solves the whole trajectory (after a change of the lens, what came since) at
+/// intervals that grow with its length, and runs further back ends, with queues of 5, 10, 15 and 20
+/// segments, on the same keyframes.
 class BatchComparer {
  public:
   explicit BatchComparer(const Options& options) : options_(options) {}
@@ -57,7 +62,8 @@ class BatchComparer {
 
 /// Queue against batch in a table: parameter, both estimates with sigma, and their difference over
 /// sqrt(diag(C_queue - C_batch)), which an efficient estimator's differences have as their sigma.
-/// Empty without a batch estimate of as many parameters.
+/// Says what it covers where the lens changed. Empty without a batch estimate of the present lens
+/// of as many parameters.
 std::string batchText(const CalibrationReport& queue, const BatchComparison& comparison);
 
 /// JSON for summary.json; "null" where batchText is empty.
