@@ -7,7 +7,7 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr float kMaxReturn = 1.0F;       // [px] Between a point and where the way back leads.
+constexpr double kMaxReturn = 1.0;       // [px] Between a point and where the way back leads.
 constexpr double kMinEigenvalue = 1e-4;  // OpenCV's default: drops windows without texture.
 const cv::TermCriteria kForward(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 10, 0.05);
 const cv::TermCriteria kBackward(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 5, 0.1);
@@ -36,9 +36,9 @@ const std::vector<cv::Mat>& FlowPrediction::balanced(const ImagePyramid& from,
   const int coarsest = std::min(from.levels(), to.levels()) - 1;
   const double before = cv::mean(from.level(coarsest))[0];
   const double gain = cv::mean(to.level(coarsest))[0] / std::max(before, 1.0);
-  if (!(gain > 0.2 && gain < 5.0) || std::abs(gain - 1.0) < kSameExposure) return from.flowMats();
+  if (!(gain > 0.2 && gain < 5.0) || std::abs(gain - 1.0) < kSameExposure) return from.mats();
   balanced_.clear();
-  for (const cv::Mat& image : from.flowMats()) balanced_.push_back(brightened(image, gain));
+  for (const cv::Mat& image : from.mats()) balanced_.push_back(brightened(image, gain));
   return balanced_;
 }
 
@@ -47,25 +47,19 @@ void FlowPrediction::run(const ImagePyramid& from, const ImagePyramid& to,
                          std::vector<cv::Point2f>* predicted) {
   found_.assign(points.size(), 0);
   if (points.empty()) return;
-  const auto unit = static_cast<float>(1 << from.flowLevel());  // [px]
-  start_.clear();
-  for (const cv::Point2f& point : points) start_.push_back(point / unit);
-  for (cv::Point2f& point : *predicted) point /= unit;
   const std::vector<cv::Mat>& from_mats = balanced(from, to);
   const cv::Size window(kFlowWindow, kFlowWindow);
-  cv::calcOpticalFlowPyrLK(from_mats, to.flowMats(), start_, *predicted, found_, unused_error_,
-                           window, static_cast<int>(from_mats.size() / 2) - 1, kForward,
-                           cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
-  back_ = start_;
-  cv::calcOpticalFlowPyrLK(to.flowMats(), from_mats, *predicted, back_, found_back_, unused_error_,
+  cv::calcOpticalFlowPyrLK(from_mats, to.mats(), points, *predicted, found_, unused_error_, window,
+                           from.levels() - 1, kForward, cv::OPTFLOW_USE_INITIAL_FLOW,
+                           kMinEigenvalue);
+  back_ = points;
+  cv::calcOpticalFlowPyrLK(to.mats(), from_mats, *predicted, back_, found_back_, unused_error_,
                            window, 0, kBackward, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
-  const float limit = kMaxReturn / unit;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const cv::Point2f miss = back_[i] - start_[i];
+    const cv::Point2f miss = back_[i] - points[i];
     // Written so that what is not a number fails.
-    const bool returns = found_back_[i] && miss.dot(miss) <= limit * limit;
+    const bool returns = found_back_[i] && miss.dot(miss) <= kMaxReturn * kMaxReturn;
     found_[i] = found_[i] && returns;
-    (*predicted)[i] *= unit;
   }
 }
 

@@ -12,28 +12,17 @@ namespace {
 constexpr float kHarris = 0.04f;
 constexpr float kRelativeThreshold = 1e-3f;  // Of a strong response: about 1/6 of its contrast.
 constexpr double kStrongShare = 0.02;        // Of the local maxima count as strong.
-constexpr float kScharr = 1.0f / 32.0f;      // Of Scharr's derivatives, to gray per pixel.
+constexpr float kScharr = 1.0f / 32.0f;      // Of OpenCV's derivatives, to gray per pixel.
 constexpr float kMinResponse = 4.0f;         // [gray^4/px^4] Below lies the noise of any camera.
 constexpr std::array<float, 3> kBinomial = {6 / 16.0f, 4 / 16.0f, 1 / 16.0f};  // Centre first.
 constexpr int kBlock = 32;  // Pixels side by side.
 
-// Over three rows: their weighted sum, and the difference of the outer ones.
-SELFCAL_CPU_CLONES void combineRows(const std::uint8_t* above, const std::uint8_t* row,
-                                    const std::uint8_t* below, int width, int* __restrict sum,
-                                    int* __restrict difference) {
+// Products of the derivatives dx, dy that follow each other in `d`.
+SELFCAL_CPU_CLONES void multiply(const std::int16_t* d, int width, float* __restrict xx,
+                                 float* __restrict xy, float* __restrict yy) {
   for (int x = 0; x < width; ++x) {
-    sum[x] = 3 * (above[x] + below[x]) + 10 * row[x];
-    difference[x] = below[x] - above[x];
-  }
-}
-
-// Products of Scharr's derivatives, from the combined rows; but for the first and last pixel.
-SELFCAL_CPU_CLONES void multiply(const int* sum, const int* difference, int width,
-                                 float* __restrict xx, float* __restrict xy, float* __restrict yy) {
-  for (int x = 1; x < width - 1; ++x) {
-    const float dx = kScharr * static_cast<float>(sum[x + 1] - sum[x - 1]);
-    const float dy = kScharr * static_cast<float>(3 * (difference[x - 1] + difference[x + 1]) +
-                                                  10 * difference[x]);
+    const float dx = kScharr * d[2 * x];
+    const float dy = kScharr * d[2 * x + 1];
     xx[x] = dx * dx;
     xy[x] = dx * dy;
     yy[x] = dy * dy;
@@ -79,38 +68,34 @@ const std::vector<Corner>& HarrisDetector::detect(const ImagePyramid& image, int
   ordered_.clear();
   const cv::Size size = image.size();
   if (std::min(size.width, size.height) <= 2 * std::max(border, kTaps)) return ordered_;
-  respond(image.level(0));
+  respond(image);
   findMaxima(std::max(border, kTaps));
   order(cell);
   return ordered_;
 }
 
-void HarrisDetector::smoothedRow(const cv::Mat& image, int y) {
-  const int width = image.cols;
-  // No corner is sought so near the edge that it would matter what lies beyond.
-  combineRows(image.ptr<std::uint8_t>(std::max(0, y - 1)), image.ptr<std::uint8_t>(y),
-              image.ptr<std::uint8_t>(std::min(image.rows - 1, y + 1)), width, row_sum_.data(),
-              row_difference_.data());
+void HarrisDetector::smoothedRow(const cv::Mat& derivatives, int y) {
+  const int width = derivatives.cols;
+  const std::int16_t* d = derivatives.ptr<std::int16_t>(y);
   float* xx = products_.data();
   float* xy = xx + width;
   float* yy = xy + width;
-  multiply(row_sum_.data(), row_difference_.data(), width, xx, xy, yy);
+  multiply(d, width, xx, xy, yy);
   // One pass over the three rows; what crosses from one to the next lies in the border.
   const float* in = products_.data() + 2;
   smooth(in - 2, in - 1, in, in + 1, in + 2, 3 * width - 4,
          smoothed_[static_cast<std::size_t>(y % kTaps)].data() + 2);
 }
 
-void HarrisDetector::respond(const cv::Mat& image) {
-  const int width = image.cols;
-  row_sum_.resize(static_cast<std::size_t>(width));
-  row_difference_.resize(static_cast<std::size_t>(width));
+void HarrisDetector::respond(const ImagePyramid& image) {
+  const cv::Mat& derivatives = image.derivatives(0);
+  const int width = derivatives.cols;
   const std::size_t length = 3 * static_cast<std::size_t>(width);
-  response_.create(image.size(), CV_32FC1);
-  products_.assign(length, 0.0f);
+  response_.create(derivatives.size(), CV_32FC1);
+  products_.resize(length);
   for (std::vector<float>& row : smoothed_) row.resize(length);
-  for (int y = 0; y < image.rows; ++y) {
-    smoothedRow(image, y);
+  for (int y = 0; y < derivatives.rows; ++y) {
+    smoothedRow(derivatives, y);
     if (y < kTaps - 1) continue;
     std::array<const float*, kTaps> r;
     for (int k = 0; k < kTaps; ++k) {

@@ -1,7 +1,6 @@
 #include "camera_self_calibration/tracking/pyramid.h"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
 namespace camera_self_calibration {
@@ -27,19 +26,11 @@ void ImagePyramid::build(const ImageView& image) {
   // OpenCV takes no const pointer; the image is only read.
   const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
                      static_cast<std::size_t>(image.stride));
-  view.copyTo(full_);
-  const int coarsest = coarsestLevel(image.width, image.height);
-  flow_level_ = std::min(1, coarsest);
-  if (flow_level_ == 1) cv::pyrDown(full_, half_);
   const cv::Size window(kFlowWindow, kFlowWindow);
-  cv::buildOpticalFlowPyramid(flow_level_ == 1 ? half_ : full_, flow_mats_, window,
-                              coarsest - flow_level_, true, cv::BORDER_REFLECT_101,
-                              cv::BORDER_REFLECT_101, false);
+  cv::buildOpticalFlowPyramid(view, mats_, window, coarsestLevel(image.width, image.height), true,
+                              cv::BORDER_REFLECT_101, cv::BORDER_REFLECT_101, false);
 }
 
-void ImagePyramid::clear() {
-  full_.release();
-  flow_mats_.clear();
-}
+void ImagePyramid::clear() { mats_.clear(); }
 
 }  // namespace camera_self_calibration

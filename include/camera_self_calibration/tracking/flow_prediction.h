@@ -8,10 +8,9 @@
 
 namespace camera_self_calibration {
 
-/// Where the features of one image are in the next, to about a pixel: pyramidal Lucas-Kanade at
-/// half resolution and coarser, and a check back on the finest of these. Between images of
-/// different exposure the first is taken as bright as the second. Its errors do not matter beyond
-/// that, for registration follows.
+/// Where the features of one image are in the next, to about a pixel: pyramidal Lucas-Kanade, and a
+/// check back on the finest level. Between images of different exposure the first is taken as
+/// bright as the second. Its errors do not matter beyond that, for registration follows.
 class FlowPrediction {
  public:
   /// `predicted` holds a first guess for each point; on return the positions in `to`.
@@ -27,7 +26,6 @@ class FlowPrediction {
   std::vector<cv::Mat> balanced_;
   std::vector<std::uint8_t> found_;
   std::vector<std::uint8_t> found_back_;
-  std::vector<cv::Point2f> start_;  // On the finest level, as back_.
   std::vector<cv::Point2f> back_;
   std::vector<float> unused_error_;
 };

@@ -24,15 +24,13 @@ class HarrisDetector {
   const std::vector<Corner>& detect(const ImagePyramid& image, int border, int cell);
 
  private:
-  void smoothedRow(const cv::Mat& image, int y);
-  void respond(const cv::Mat& image);
+  void smoothedRow(const cv::Mat& derivatives, int y);
+  void respond(const ImagePyramid& image);
   void findMaxima(int border);
   void order(int cell);
 
   static constexpr int kTaps = 5;
   cv::Mat response_;
-  std::vector<int> row_sum_;                        // Of one row with its neighbours, 3 10 3.
-  std::vector<int> row_difference_;                 // Of the rows below and above.
   std::vector<float> products_;                     // One row: xx, xy, yy.
   std::array<std::vector<float>, kTaps> smoothed_;  // Rows of products, smoothed along x.
   std::vector<Corner> corners_;
