@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/plotting/convergence_chart.h"
 
 namespace camera_self_calibration {
@@ -134,10 +135,7 @@ void Scene::measure(const Segment& segment) {
   for (const Landmark& landmark : segment.landmarks) {
     if (landmark.inverse_depth > 0.0) depths.push_back(1.0 / landmark.inverse_depth);
   }
-  if (depths.empty()) return;
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  unit_ = *middle;
+  unit_ = median(std::move(depths), unit_);
 }
 
 void Scene::addLandmarks(const Camera& camera, const Segment& newest, const ImageView* image) {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {
@@ -37,17 +38,10 @@ std::vector<Pair> commonTracks(const TrackedFrame& last, const TrackedFrame& fra
   return pairs;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 double medianFlow(const std::vector<Pair>& pairs) {
   std::vector<double> lengths;
   for (const Pair& pair : pairs) lengths.push_back((pair.now - pair.before).norm());
-  return median(std::move(lengths));
+  return median(std::move(lengths), 0.0);
 }
 
 struct RayPair {
@@ -80,7 +74,7 @@ Eigen::Matrix3d robustRotation(const std::vector<RayPair>& rays) {
   for (int k = 0; k < kReweightings; ++k) {
     std::vector<double> errors;
     for (const RayPair& ray : rays) errors.push_back((ray.now - rotation * ray.before).norm());
-    const double scale = 1.5 * median(errors) + 1e-9;
+    const double scale = 1.5 * median(errors, 0.0) + 1e-9;
     for (std::size_t i = 0; i < rays.size(); ++i) {
       weights[i] = 1.0 / (1.0 + errors[i] * errors[i] / (scale * scale));
     }
@@ -107,7 +101,7 @@ Motion measureMotion(const std::vector<Pair>& pairs, const Camera& camera) {
     }
   }
   const double cosine = 0.5 * (rotation.trace() - 1.0);
-  return {median(std::move(residuals)), std::acos(std::clamp(cosine, -1.0, 1.0))};
+  return {median(std::move(residuals), 0.0), std::acos(std::clamp(cosine, -1.0, 1.0))};
 }
 
 }  // namespace

@@ -23,6 +23,7 @@
 #include "benchmark/csv_rows.h"
 #include "benchmark/degenerate_trial.h"
 #include "benchmark/random_lens.h"
+#include "camera_self_calibration/geometry/median.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -87,12 +88,6 @@ int runTrials(int first, int count) {
   return EXIT_SUCCESS;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return -1.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
-}
-
 // What the rows of one motion add up to.
 struct Tally {
   int trials = 0, converged = 0, publishing = 0, within = 0, wrong = 0, recovered = 0, fresh = 0,
@@ -138,8 +133,8 @@ void print(const std::string& name, const Tally& t) {
       "%6.2f %6.2f %4d\n",
       name.c_str(), t.trials, t.states.c_str(), t.converged, t.wrong, t.within, t.publishing,
       t.worst_ratio, t.worst_sigmas, 100.0 * t.hinted / judged, 100.0 * t.named / judged,
-      t.recovered, t.trials, t.fresh, t.trials, median(t.recovered_s), median(t.fresh_s),
-      median(t.ratio_ms), median(t.ratio_kb), t.lost);
+      t.recovered, t.trials, t.fresh, t.trials, median(t.recovered_s, -1.0),
+      median(t.fresh_s, -1.0), median(t.ratio_ms, -1.0), median(t.ratio_kb, -1.0), t.lost);
 }
 
 int printTable(const std::vector<std::string>& files) {

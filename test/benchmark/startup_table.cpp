@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "benchmark/csv_rows.h"
+#include "camera_self_calibration/geometry/median.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -48,19 +49,13 @@ struct Tally {
   }
 };
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
-}
-
 void print(const std::string& name, const Tally& tally) {
   std::printf("%-18s %6d %10d (%5.1f %%) %8d %9d (%5.1f %%) %9d %6d %5d %5d %8.1f %8.3f %8.2f\n",
               name.c_str(), tally.trials, tally.at_optimum, 100.0 * tally.at_optimum / tally.trials,
               tally.informed, tally.informed_converged,
               100.0 * tally.informed_converged / std::max(1, tally.informed), tally.converged,
-              tally.false_converged, tally.early, tally.lost, median(tally.converged_s),
-              median(tally.error_px), median(tally.slowdown));
+              tally.false_converged, tally.early, tally.lost, median(tally.converged_s, 0.0),
+              median(tally.error_px, 0.0), median(tally.slowdown, 0.0));
 }
 
 void printTable(const std::string& series, const std::vector<CsvRow>& rows) {
