@@ -20,6 +20,7 @@ namespace {
 constexpr int kFirstRetry = 6;
 constexpr int kRetryKeyframes = 12;    // at most, in the comparison of guesses
 constexpr double kClearlyLess = 0.98;  // of a cost: another minimum, not the same one again
+constexpr double kFarWorse = 2.0;      // of a residual scale
 constexpr double kHuber = 2.0;
 constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
 
@@ -195,14 +196,9 @@ void Startup::tryOtherGuesses() {
     growByKeyframe(options_.growth, k, &segment_, &camera_);
   }
   judge();
-  // What fits the first keyframes better by chance does not fit the others.
-  if (before.usable_ && !(wholeCost() < kClearlyLess * before.wholeCost())) *this = before;
-}
-
-double Startup::wholeCost() const {
-  if (!usable_) return std::numeric_limits<double>::infinity();
-  Segment whole = segment_;
-  return robustCost(freeBlock(&whole, camera_), camera_, kHuber);
+  // What fits the first keyframes better by chance fits the others far worse.
+  const bool worse = !usable_ || residual_scale_ > kFarWorse * before.residual_scale_;
+  if (before.usable_ && worse) *this = before;
 }
 
 void Startup::judge() {

@@ -88,7 +88,6 @@ class Startup {
   void beginBatch(const Segment& history);
   void extend(const Segment& history);
   void tryOtherGuesses();
-  double wholeCost() const;  // robust, of the whole batch
   void judge();
   void setInformation(const Marginal& marginal);
   void considerK3(const Segment& gated);
