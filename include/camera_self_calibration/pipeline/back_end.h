@@ -64,10 +64,18 @@ class BackEnd {
 
  private:
   void reportHeldIntrinsics();
-  void runStartup(const KeyframeMessage& message);
   void considerModel(const KeyframeMessage& message);
   void switchModel(const Camera& camera, const std::vector<Segment>& observed);
   void clearQueue();
+  // In handover.cpp: from the startup batch to the queue.
+  void runStartup(const KeyframeMessage& message);
+  void followTheBetter();
+  void adoptStartup();
+  PixelError startupUncertainty() const;
+  PixelError queueUncertainty() const;
+  bool queueContradictsStartup() const;
+  std::string doubtInQueue() const;
+  void considerHandover(std::int64_t stamp_ns, std::vector<Event>* events);
   // In lens_epochs.cpp: what the watch over the lens leads to.
   void considerCandidate(const KeyframeMessage& message, std::vector<Event>* events);
   bool foregone(const KeyframeMessage& message);
@@ -83,17 +91,10 @@ class BackEnd {
   void reportShutter();
   void restoreShutter(const LearntState& state);
   double convergedRms() const { return options_.convergedRms(report_.camera.width()); }
-  void adoptStartup();
-  void followTheBetter();
-  PixelError startupUncertainty() const;
-  PixelError queueUncertainty() const;
-  bool queueContradictsStartup() const;
-  std::string doubtInQueue() const;
   bool offer(const Candidate& candidate);
   BackEndOutput finish(BackEndOutput output);
   void solveQueue();
   void adoptSolution();
-  void considerHandover(std::int64_t stamp_ns, std::vector<Event>* events);
   void judge(std::int64_t stamp_ns, std::vector<Event>* events);
   void fillQueueReport();
 

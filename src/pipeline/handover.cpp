@@ -1,0 +1,125 @@
+// From the startup batch to the queue: the part of BackEnd that works until hand-over.
+
+#include <cstdio>
+#include <limits>
+#include <string>
+
+#include "camera_self_calibration/estimation/entropy.h"
+#include "camera_self_calibration/pipeline/back_end.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr PixelError kUnknown = {kInfinity, kInfinity};
+// Segments that disagree by more than this factor of their uncertainties are not describing one
+// camera, or one of them sits in a wrong minimum.
+constexpr double kMaxInflation = 5.0;
+// Distance of the queue's estimate from the startup batch's, over the sum of their uncertainties,
+// beyond which one of them is wrong.
+constexpr double kMaxStartupDistance = 4.0;
+
+std::string format(const char* text, double a, double b) {
+  char buffer[200];
+  std::snprintf(buffer, sizeof(buffer), text, a, b);
+  return buffer;
+}
+
+}  // namespace
+
+void BackEnd::runStartup(const KeyframeMessage& message) {
+  startup_.add(message.history);
+  if (startup_.usable() && report_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
+    clearQueue();  // its segments were scored for another number of parameters
+  }
+  followTheBetter();
+}
+
+// The batch forgets: it begins anew in every map, and in fast motion leaves out the oldest
+// keyframes. The queue does not.
+void BackEnd::followTheBetter() {
+  const bool believed = doubtInQueue().empty();
+  if (believed) startup_.beginNextFrom(solution_.camera, solution_.covariance);
+  follows_queue_ = believed && !(startupUncertainty().rms <= queueUncertainty().rms);
+  if (follows_queue_) {
+    adoptSolution();
+  } else if (startup_.usable()) {
+    // Intrinsics that nothing told would only do harm in front.
+    if (startup_.tellsLens()) changed_ = true;
+    adoptStartup();
+  }
+}
+
+void BackEnd::adoptStartup() {
+  report_.camera = startup_.heldCamera();
+  report_.covariance = startup_.covariance();
+  report_.uncertainty = startupUncertainty();
+  report_.entropy =
+      report_.covariance.size() > 0 ? entropy(report_.camera, report_.covariance) : kInfinity;
+}
+
+PixelError BackEnd::startupUncertainty() const {
+  return startup_.usable() && startup_.covariance().size() > 0
+             ? pixelUncertainty(startup_.camera(), startup_.covariance(), field_)
+             : kUnknown;
+}
+
+PixelError BackEnd::queueUncertainty() const {
+  return solution_.usable ? pixelUncertainty(solution_.camera, solution_.covariance, field_)
+                          : kUnknown;
+}
+
+// Further from the startup batch than the uncertainties of both explain: one of them is wrong.
+bool BackEnd::queueContradictsStartup() const {
+  if (!startup_.tellsLens() || !solution_.usable) return false;
+  const double limit = kMaxStartupDistance * (startupUncertainty().rms + queueUncertainty().rms);
+  return !(pixelDistance(solution_.camera, startup_.camera(), field_).rms <= limit);
+}
+
+// Why the queue's estimate is not believed; empty if it is.
+std::string BackEnd::doubtInQueue() const {
+  if (estimate_.candidates().size() < 2 || !solution_.usable) {
+    return "the queue does not hold two separate stretches yet";
+  }
+  if (queueContradictsStartup()) {
+    return format(
+        "the separate stretches and the whole are %.1f px rms apart, at most %.0f times their "
+        "uncertainty is believed",
+        pixelDistance(solution_.camera, startup_.camera(), field_).rms, kMaxStartupDistance);
+  }
+  if (solution_.inflation > kMaxInflation) {
+    return format(
+        "the stretches disagree by %.1f times their uncertainty, at most %.1f is "
+        "believed",
+        solution_.inflation, kMaxInflation);
+  }
+  return "";
+}
+
+void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events) {
+  if (options_.choose_model && !model_choice_.settled()) {
+    obstacle_ = "the lens model is not chosen yet";
+    return;
+  }
+  const double threshold = 2.0 * convergedRms();
+  obstacle_ = doubtInQueue();
+  if (queueContradictsStartup() && startupUncertainty().rms < threshold) {
+    clearQueue();  // filled from a start that was wrong
+  }
+  if (!obstacle_.empty() || !startup_.usable()) return;
+  const double uncertainty = queueUncertainty().rms;
+  if (!(uncertainty < threshold ||
+        entropy(solution_.camera, solution_.covariance) < options_.handover_entropy)) {
+    obstacle_ = format("the queue is good to %.2f px rms, hand-over is below %.2f px", uncertainty,
+                       threshold);
+    return;
+  }
+  handed_over_ = true;
+  report_.handed_over = true;
+  adoptSolution();
+  events->push_back({EventType::kHandover, stamp_ns, stamp_ns,
+                     format("the queue's estimate took over, good to %.2f px rms (limit %.2f px)",
+                            report_.uncertainty.rms, threshold)});
+}
+
+}  // namespace camera_self_calibration
