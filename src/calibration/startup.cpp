@@ -198,7 +198,7 @@ void Startup::tryOtherGuesses() {
   judge();
   // What fits the first keyframes better by chance fits the others far worse.
   const bool worse = !usable_ || residual_scale_ > kFarWorse * before.residual_scale_;
-  if (before.usable_ && worse) *this = before;
+  if (before.tellsLens() && worse) *this = before;
 }
 
 void Startup::judge() {
