@@ -177,14 +177,10 @@ double SlidingWindow::medianDepthOf(const Segment& solution, const Keyframe& new
 }
 
 std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Track& track) const {
-  const Keyframe* anchor = map_.keyframe(point.anchor_id);
-  const Map::Sighting* sighting = sightingIn(point, point.anchor_id);
-  if (anchor == nullptr || sighting == nullptr) return std::nullopt;
-  const auto ray = map_.cameraOf(*anchor, camera_).unproject(sighting->pixel);
-  if (!ray) return std::nullopt;
+  const auto known = map_.worldPoint(point, camera_);
+  if (!known) return std::nullopt;
   const double middle_row = 0.5 * (camera_.height() - 1);
-  return PointView{anchor->world_from_camera.rotation * *ray, anchor->world_from_camera.translation,
-                   point.inverse_depth,
+  return PointView{known->direction, known->origin, known->inverse_depth,
                    asSeenAtOnce(track.pixel, track.motion, middle_row, map_.rowTimeS()),
                    track.sigma};
 }

@@ -16,19 +16,6 @@ const Map::Sighting* sightingIn(const Map::Point& point, std::int64_t keyframe_i
   return nullptr;
 }
 
-double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector3d& ray,
-                            double inverse_depth, const Rigid3& world_from_other) {
-  const Eigen::Vector3d offset = world_from_anchor.translation - world_from_other.translation;
-  const Eigen::Vector3d point = world_from_anchor.rotation * ray + inverse_depth * offset;
-  return inverse_depth / std::max(point.norm(), 1e-9);
-}
-
-double typicalInverseDepth(std::vector<double> inverse_depths) {
-  for (double& depth : inverse_depths) depth = std::abs(depth);
-  const double middle = median(std::move(inverse_depths), 1.0);
-  return middle > 0.0 ? middle : 1.0;
-}
-
 void Map::addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks,
                       double new_inverse_depth, const Camera& camera) {
   keyframes_.push_back(keyframe);
@@ -170,20 +157,16 @@ Segment Map::segmentFrom(int first, const Camera& camera) const {
 std::optional<Landmark> Map::landmarkFrom(std::int64_t track_id, const Point& point,
                                           const Sighting& first, const Camera& camera) const {
   const auto first_ray = cameraOf(*keyframe(first.keyframe_id), camera).unproject(first.pixel);
-  const Keyframe* anchor = keyframe(point.anchor_id);
-  const Sighting* anchor_sighting = sightingIn(point, point.anchor_id);
-  if (!first_ray || anchor == nullptr || anchor_sighting == nullptr) return std::nullopt;
-  const auto anchor_ray = cameraOf(*anchor, camera).unproject(anchor_sighting->pixel);
-  if (!anchor_ray) return std::nullopt;
+  const auto inverse_depth =
+      inverseDepthFrom(keyframe(first.keyframe_id)->world_from_camera, point, camera);
+  if (!first_ray || !inverse_depth) return std::nullopt;
   Landmark landmark;
   landmark.track_id = track_id;
   landmark.anchored = exact_references_ && first.keyframe_id == point.reference_id;
   landmark.reference_pixel = landmark.anchored ? first.pixel : point.reference_pixel;
   if (landmark.anchored) landmark.reference_shift = first.shift;
   landmark.bearing = *first_ray;
-  landmark.inverse_depth =
-      transferInverseDepth(anchor->world_from_camera, *anchor_ray, point.inverse_depth,
-                           keyframe(first.keyframe_id)->world_from_camera);
+  landmark.inverse_depth = *inverse_depth;
   return landmark;
 }
 
@@ -220,15 +203,21 @@ void Map::update(const Segment& segment) {
   }
 }
 
-std::optional<double> Map::inverseDepthFrom(const Rigid3& world_from_camera, const Point& point,
-                                            const Camera& camera) const {
+std::optional<WorldPoint> Map::worldPoint(const Point& point, const Camera& camera) const {
   const Keyframe* anchor = keyframe(point.anchor_id);
   const Sighting* sighting = sightingIn(point, point.anchor_id);
   if (anchor == nullptr || sighting == nullptr) return std::nullopt;
   const auto ray = cameraOf(*anchor, camera).unproject(sighting->pixel);
   if (!ray) return std::nullopt;
-  return transferInverseDepth(anchor->world_from_camera, *ray, point.inverse_depth,
-                              world_from_camera);
+  return WorldPoint{anchor->world_from_camera.rotation * *ray,
+                    anchor->world_from_camera.translation, point.inverse_depth};
+}
+
+std::optional<double> Map::inverseDepthFrom(const Rigid3& world_from_camera, const Point& point,
+                                            const Camera& camera) const {
+  const auto known = worldPoint(point, camera);
+  if (!known) return std::nullopt;
+  return inverseDistance(*known, world_from_camera.translation);
 }
 
 double Map::medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) const {

@@ -22,15 +22,8 @@ bool sameView(const Place& a, const Place& b) {
 void refreshPoint(const Map& map, const Camera& camera, PlacePoint* point) {
   const auto found = map.points().find(point->track_id);
   if (found == map.points().end() || found->second.sightings.size() < kMinSightings) return;
-  const Keyframe* anchor = map.keyframe(found->second.anchor_id);
-  const Map::Sighting* sighting = sightingIn(found->second, found->second.anchor_id);
-  if (anchor == nullptr || sighting == nullptr) return;
-  const auto ray = map.cameraOf(*anchor, camera).unproject(sighting->pixel);
-  if (!ray) return;
-  point->known = true;
-  point->direction = anchor->world_from_camera.rotation * *ray;
-  point->origin = anchor->world_from_camera.translation;
-  point->inverse_depth = found->second.inverse_depth;
+  const auto now = map.worldPoint(found->second, camera);
+  if (now) *point = {*now, point->track_id, true};
 }
 
 }  // namespace

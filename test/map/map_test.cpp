@@ -47,11 +47,9 @@ class MapTest : public testing::Test {
 
   // Where the map has a point.
   static Eigen::Vector3d pointIn(const Map& map, std::int64_t id) {
-    const Map::Point& point = map.points().at(id);
-    const Keyframe* anchor = map.keyframe(point.anchor_id);
-    const Map::Sighting* sighting = sightingIn(point, point.anchor_id);
-    if (anchor == nullptr || sighting == nullptr) return Eigen::Vector3d::Constant(NAN);
-    return anchor->world_from_camera * (*kCamera.unproject(sighting->pixel) / point.inverse_depth);
+    const auto point = map.worldPoint(map.points().at(id), kCamera);
+    if (!point) return Eigen::Vector3d::Constant(NAN);
+    return point->origin + point->direction / point->inverse_depth;
   }
 
   static void setTrueDepths(Map* map) {
@@ -90,6 +88,18 @@ TEST_F(MapTest, TransferKeepsThePoint) {
   const double rho = transferInverseDepth(a, in_a.normalized(), 1.0 / in_a.norm(), b);
   EXPECT_NEAR(rho, 1.0 / (b.inverse() * point).norm(), 1e-14);
   EXPECT_EQ(transferInverseDepth(a, in_a.normalized(), 0.0, b), 0.0);  // at infinity from anywhere
+}
+
+TEST_F(MapTest, SeenFromAnObserver) {
+  const Eigen::Vector3d origin(1.0, -2.0, 0.5), observer(-0.3, 0.4, 0.7);
+  const Eigen::Vector3d offset = pointAt(2) - origin;
+  const WorldPoint point{offset.normalized(), origin, 1.0 / offset.norm()};
+  const Eigen::Vector3d expected = pointAt(2) - observer;
+  EXPECT_LT((directionFrom(point, observer).normalized() - expected.normalized()).norm(), 1e-14);
+  EXPECT_NEAR(inverseDistance(point, observer), 1.0 / expected.norm(), 1e-14);
+  const WorldPoint far{offset.normalized(), origin, 0.0};
+  EXPECT_EQ(directionFrom(far, observer), far.direction);  // the same from anywhere
+  EXPECT_EQ(inverseDistance(far, observer), 0.0);
 }
 
 TEST_F(MapTest, ReanchoringKeepsPoints) {

@@ -9,6 +9,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/geometry/similarity.h"
+#include "camera_self_calibration/map/inverse_depth.h"
 #include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/tracking/track.h"
 
@@ -91,6 +92,9 @@ class Map {
   /// the map has forgotten since then is left out.
   void update(const Segment& segment);
 
+  /// Where a point is; nothing where its anchor's pixel has no ray.
+  std::optional<WorldPoint> worldPoint(const Point& point, const Camera& camera) const;
+
   /// Inverse depth of a point as seen from a pose; nothing where its anchor's pixel has no ray.
   std::optional<double> inverseDepthFrom(const Rigid3& world_from_camera, const Point& point,
                                          const Camera& camera) const;
@@ -114,14 +118,5 @@ class Map {
 
 /// The pixel at which a point was seen in a keyframe; null if it was not.
 const Map::Sighting* sightingIn(const Map::Point& point, std::int64_t keyframe_id);
-
-/// Median size of inverse depths [1/map unit], positive; 1 if there are none. In rotation on the
-/// spot half of them may be negative: a median that loses its sign would let the scale run away.
-double typicalInverseDepth(std::vector<double> inverse_depths);
-
-/// Inverse depth of a point along its own ray in another keyframe: `rho' = rho / |x|` with x as in
-/// eq. 1.
-double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector3d& ray,
-                            double inverse_depth, const Rigid3& world_from_other);
 
 }  // namespace camera_self_calibration

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
 
@@ -11,25 +10,11 @@
 
 namespace camera_self_calibration {
 
-/// A point of the scene in the world of a map, homogeneous up to its scale:
-/// `direction + inverse_depth * (origin - observer)`.
-struct PlacePoint {
+/// A point of the scene that a track showed, in the world of its map.
+struct PlacePoint : WorldPoint {
   std::int64_t track_id = 0;
   bool known = false;  ///< Whether it has a depth; the rest is void otherwise.
-  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< Unit ray in the world.
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();      ///< Where that ray begins [map unit].
-  double inverse_depth = 0.0;                            ///< [1/map unit]
 };
-
-/// From an observer to the point, not of unit length.
-inline Eigen::Vector3d directionFrom(const PlacePoint& point, const Eigen::Vector3d& observer) {
-  return point.direction + point.inverse_depth * (point.origin - observer);
-}
-
-/// One over the distance between an observer and the point [1/map unit].
-inline double inverseDistance(const PlacePoint& point, const Eigen::Vector3d& observer) {
-  return point.inverse_depth / directionFrom(point, observer).norm();
-}
 
 /// A keyframe that outlives its map: where it was, and what its points look like. Nothing in it
 /// depends on the intrinsics.

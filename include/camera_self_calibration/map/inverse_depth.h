@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <vector>
+
+#include "camera_self_calibration/geometry/rigid3.h"
+
+namespace camera_self_calibration {
+
+/// A point of the scene in the world of a map, homogeneous up to its scale: seen from an observer
+/// it lies in the direction `direction + inverse_depth * (origin - observer)` (eq. 1), which stays
+/// finite for far points.
+struct WorldPoint {
+  Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< Unit ray in the world.
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();      ///< Where that ray begins [map unit].
+  double inverse_depth = 0.0;                            ///< Along the ray [1/map unit].
+};
+
+/// From an observer to the point, not of unit length.
+inline Eigen::Vector3d directionFrom(const WorldPoint& point, const Eigen::Vector3d& observer) {
+  return point.direction + point.inverse_depth * (point.origin - observer);
+}
+
+/// One over the distance between an observer and the point, with the sign of its inverse depth
+/// [1/map unit].
+inline double inverseDistance(const WorldPoint& point, const Eigen::Vector3d& observer) {
+  return point.inverse_depth / std::max(directionFrom(point, observer).norm(), 1e-9);
+}
+
+/// Inverse depth of a point along its own ray in another keyframe: `rho' = rho / |x|` with x as in
+/// eq. 1.
+double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector3d& ray,
+                            double inverse_depth, const Rigid3& world_from_other);
+
+/// Median size of inverse depths [1/map unit], positive; 1 if there are none. In rotation on the
+/// spot half of them may be negative: a median that loses its sign would let the scale run away.
+double typicalInverseDepth(std::vector<double> inverse_depths);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,23 @@
+#include "camera_self_calibration/map/inverse_depth.h"
+
+#include <cmath>
+#include <utility>
+
+#include "camera_self_calibration/geometry/median.h"
+
+namespace camera_self_calibration {
+
+double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector3d& ray,
+                            double inverse_depth, const Rigid3& world_from_other) {
+  const WorldPoint point{world_from_anchor.rotation * ray, world_from_anchor.translation,
+                         inverse_depth};
+  return inverseDistance(point, world_from_other.translation);
+}
+
+double typicalInverseDepth(std::vector<double> inverse_depths) {
+  for (double& depth : inverse_depths) depth = std::abs(depth);
+  const double middle = median(std::move(inverse_depths), 1.0);
+  return middle > 0.0 ? middle : 1.0;
+}
+
+}  // namespace camera_self_calibration
