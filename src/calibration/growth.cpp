@@ -10,7 +10,7 @@
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
 #include "camera_self_calibration/estimation/solver.h"
-#include "camera_self_calibration/map/map.h"
+#include "camera_self_calibration/map/inverse_depth.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -50,9 +50,7 @@ double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
 }
 
 void restartRunawayDepths(double max_ratio, Segment* segment) {
-  std::vector<double> depths;
-  for (const Landmark& landmark : segment->landmarks) depths.push_back(landmark.inverse_depth);
-  const double typical = typicalInverseDepth(std::move(depths));
+  const double typical = typicalInverseDepth(inverseDepths(*segment));
   for (Landmark& landmark : segment->landmarks) {
     if (!(landmark.inverse_depth > 0.0) || landmark.inverse_depth > max_ratio * typical) {
       landmark.inverse_depth = typical;

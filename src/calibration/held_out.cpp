@@ -12,7 +12,7 @@
 #include "camera_self_calibration/estimation/parallel.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/solver.h"
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/map/inverse_depth.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -55,16 +55,10 @@ std::map<std::int64_t, const Landmark*> landmarksById(const Segment& segment) {
   return known;
 }
 
-double medianInverseDepth(const Segment& segment) {
-  std::vector<double> depths;
-  for (const Landmark& landmark : segment.landmarks) depths.push_back(landmark.inverse_depth);
-  return median(std::move(depths), 1.0);
-}
-
 // The compared tracks of a segment, at a fit's poses and, where it has them, depths.
 Segment comparedSegment(const Segment& observed, const ComparedTracks& tracks,
                         const Segment& fitted) {
-  const double typical = medianInverseDepth(fitted);
+  const double typical = medianInverseDepth(fitted, 1.0);
   Segment segment = observed;
   segment.keyframes = fitted.keyframes;
   for (Observation& observation : segment.observations) {

@@ -9,7 +9,6 @@
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
-#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/tracking/image_motion.h"
 
 namespace camera_self_calibration {
@@ -27,12 +26,6 @@ constexpr double kNegligiblePx = 0.02;
 
 // With so many points of estimated depth in view, points of guessed depth are not needed.
 constexpr std::size_t kEnoughKnownPoints = 15;
-
-double medianInverseDepth(const Segment& segment) {
-  std::vector<double> depths;
-  for (const Landmark& landmark : segment.landmarks) depths.push_back(landmark.inverse_depth);
-  return median(std::move(depths), 0.0);
-}
 
 // Landmarks that fixed keyframes alone see: they tell nothing of the others.
 std::vector<int> seenByFixedAlone(const Segment& segment, int fixed_keyframes) {
@@ -279,7 +272,7 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
 }
 
 void SlidingWindow::rememberDepth(const Segment& segment, int fixed_keyframes) {
-  const double depth = medianInverseDepth(segment);
+  const double depth = medianInverseDepth(segment, 0.0);
   const Eigen::Vector3d newest = segment.keyframes.back().world_from_camera.translation;
   double baseline = 0.0;
   for (std::size_t k = fixed_keyframes; k < segment.keyframes.size(); ++k) {

@@ -20,4 +20,15 @@ double typicalInverseDepth(std::vector<double> inverse_depths) {
   return middle > 0.0 ? middle : 1.0;
 }
 
+std::vector<double> inverseDepths(const Segment& segment) {
+  std::vector<double> depths;
+  depths.reserve(segment.landmarks.size());
+  for (const Landmark& landmark : segment.landmarks) depths.push_back(landmark.inverse_depth);
+  return depths;
+}
+
+double medianInverseDepth(const Segment& segment, double fallback) {
+  return median(inverseDepths(segment), fallback);
+}
+
 }  // namespace camera_self_calibration

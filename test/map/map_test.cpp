@@ -264,6 +264,17 @@ TEST_F(MapTest, MedianInverseDepth) {
   EXPECT_NEAR(map.medianInverseDepth(1, kCamera), depths[3], 1e-9);
 }
 
+TEST_F(MapTest, MedianOfASegment) {
+  Segment segment;
+  EXPECT_EQ(medianInverseDepth(segment, 0.25), 0.25);
+  for (const double depth : {3.0, -1.0, 2.0, -4.0, 0.5}) {
+    segment.landmarks.emplace_back();
+    segment.landmarks.back().inverse_depth = depth;
+  }
+  EXPECT_EQ(medianInverseDepth(segment, 0.25), 0.5);
+  EXPECT_EQ(typicalInverseDepth(inverseDepths(segment)), 2.0);  // of the sizes
+}
+
 TEST_F(MapTest, RemoveAndClear) {
   Map map(10);
   map.addKeyframe(keyframeAt(0), {trackOf(0, 0, 0), trackOf(1, 0, 0)}, 0.3, kCamera);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "camera_self_calibration/geometry/rigid3.h"
+#include "camera_self_calibration/map/segment.h"
 
 namespace camera_self_calibration {
 
@@ -36,5 +37,11 @@ double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector
 /// Median size of inverse depths [1/map unit], positive; 1 if there are none. In rotation on the
 /// spot half of them may be negative: a median that loses its sign would let the scale run away.
 double typicalInverseDepth(std::vector<double> inverse_depths);
+
+/// Those of all landmarks, each in its own reference keyframe [1/map unit].
+std::vector<double> inverseDepths(const Segment& segment);
+
+/// Their median, with its sign; `fallback` without landmarks.
+double medianInverseDepth(const Segment& segment, double fallback);
 
 }  // namespace camera_self_calibration
