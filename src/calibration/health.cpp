@@ -20,10 +20,6 @@ constexpr double kUselessUncertaintyShare = 0.02;
 // What is less than this share of the image that sees is worth a word.
 constexpr double kWholeImage = 0.98;
 
-const char* const kMotionHint =
-    "turn the camera about several axes (pan, tilt and roll) while moving it, with near and far "
-    "objects in view";
-
 std::string format(const char* text, double a) {
   char buffer[200];
   std::snprintf(buffer, sizeof(buffer), text, a);
@@ -67,8 +63,8 @@ namespace {
 
 // The parameters that are known least and the motion that would tell them.
 WeakDirection weakest(const HealthEvidence& evidence, const Camera& camera) {
-  if (evidence.has_estimate) return weakestDirection(evidence.information, camera);
-  return {"all parameters", kMotionHint};
+  return weakestDirection(evidence.has_estimate ? evidence.information : IntrinsicsMatrix(),
+                          camera);
 }
 
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {

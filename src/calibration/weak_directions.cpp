@@ -21,8 +21,7 @@ const char* const kAnyHint =
     "objects in view";
 const char* const kFocalHint =
     "turn the camera about several axes (pan, tilt and roll); moving it without turning it does "
-    "not "
-    "tell the focal length";
+    "not tell the focal length";
 const char* const kHorizontalHint = "pan left and right, or roll about the viewing direction";
 const char* const kVerticalHint = "tilt up and down, or roll about the viewing direction";
 const char* const kCentreHint =

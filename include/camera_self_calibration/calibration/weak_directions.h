@@ -32,7 +32,8 @@ struct WeakDirection {
   std::string hint;
 };
 
-/// The parameters that dominate the least known direction.
+/// The parameters that dominate the least known direction; all of them, and motion that tells them
+/// all, where the information is empty or not finite.
 WeakDirection weakestDirection(const IntrinsicsMatrix& information, const Camera& camera);
 
 }  // namespace camera_self_calibration
