@@ -69,12 +69,10 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
   SegmentBlock block = freeBlock(&candidate.segment, candidate.camera);
   block.sigma_scale = candidate.sigma_scale;
   candidate.cost = robustCost(block, candidate.camera, SegmentFitOptions().huber);
-  if (const auto covariance = covarianceFromInformation(candidate.information)) {
-    candidate.entropy = entropy(candidate.camera, *covariance);
-    candidate.uncertainty = pixelUncertainty(candidate.camera, *covariance);
-  } else {
-    candidate.entropy = candidate.uncertainty.rms = candidate.uncertainty.max = INFINITY;
-  }
+  const IntrinsicsMatrix covariance =
+      covarianceFromInformation(candidate.information).value_or(IntrinsicsMatrix());
+  candidate.entropy = entropy(candidate.camera, covariance);
+  candidate.uncertainty = pixelUncertainty(candidate.camera, covariance);
   candidate.reason = illPosed(options, candidate);
   const double remaining = fit.marginal.remainingStep() / candidate.sigma_scale;
   if (candidate.reason.empty() && !(remaining < options.max_remaining_step)) {

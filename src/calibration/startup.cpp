@@ -50,9 +50,6 @@ bool continues(const Segment& solved, const Segment& history) {
                      [newest](const Keyframe& keyframe) { return keyframe.id == newest; });
 }
 
-constexpr PixelError kUnknown = {std::numeric_limits<double>::infinity(),
-                                 std::numeric_limits<double>::infinity()};
-
 }  // namespace
 
 IntrinsicsPrior vaguePrior(const Camera& about) {
@@ -75,7 +72,7 @@ void Startup::reset(const Camera& initial) {
   next_.reset();
   segment_ = Segment();
   information_ = covariance_ = IntrinsicsMatrix();
-  uncertainty_ = kUnknown;
+  uncertainty_ = PixelError::unknown();
   residual_scale_ = 1.0;
   usable_ = false;
   told_ = false;
@@ -88,7 +85,7 @@ void Startup::switchModel(const Camera& camera) {
   next_.reset();
   options_.growth.prior = vaguePrior(camera);
   information_ = covariance_ = IntrinsicsMatrix();
-  uncertainty_ = kUnknown;
+  uncertainty_ = PixelError::unknown();
   usable_ = false;
 }
 
@@ -96,9 +93,7 @@ void Startup::resume(const Camera& camera, const IntrinsicsMatrix& information,
                      const Segment& solved) {
   reset(camera);
   segment_ = solved;
-  information_ = information;
-  covariance_ = covarianceFromInformation(information).value_or(IntrinsicsMatrix());
-  uncertainty_ = covariance_.size() > 0 ? pixelUncertainty(camera_, covariance_) : kUnknown;
+  setInformation(information);
   usable_ = true;
   told_ = tellsLens();
   added_ = static_cast<int>(solved.keyframes.size());
@@ -203,7 +198,7 @@ void Startup::tryOtherGuesses() {
 
 void Startup::judge() {
   usable_ = false;
-  uncertainty_ = kUnknown;
+  uncertainty_ = PixelError::unknown();
   if (static_cast<int>(segment_.keyframes.size()) < options_.growth.free_after_keyframes) return;
   Segment gated = segment_;
   Camera camera = camera_;
@@ -238,9 +233,13 @@ void Startup::judge() {
 
 void Startup::setInformation(const Marginal& marginal) {
   const double scale = marginal.sigmaScale();
-  information_ = marginal.information / (scale * scale);
+  setInformation(IntrinsicsMatrix(marginal.information / (scale * scale)));
+}
+
+void Startup::setInformation(const IntrinsicsMatrix& information) {
+  information_ = information;
   covariance_ = covarianceFromInformation(information_).value_or(IntrinsicsMatrix());
-  uncertainty_ = covariance_.size() > 0 ? pixelUncertainty(camera_, covariance_) : kUnknown;
+  uncertainty_ = pixelUncertainty(camera_, covariance_);
 }
 
 void Startup::setRowTime(double row_time_s) {

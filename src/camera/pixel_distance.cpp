@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "camera_self_calibration/camera/pixel_difference.h"
@@ -13,8 +12,6 @@
 
 namespace camera_self_calibration {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct PointDerivatives {
   Eigen::Vector2d pixel;
@@ -68,7 +65,7 @@ RotationStep rotationStep(const std::vector<PixelRay>& grid, const Camera& b,
 
 struct BestRotation {
   Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  PixelError error = {kInfinity, kInfinity};
+  PixelError error = PixelError::unknown();
 };
 
 BestRotation bestRotation(const std::vector<PixelRay>& grid, const Camera& b) {
@@ -139,7 +136,7 @@ IntrinsicsMatrix pixelMetric(const Camera& camera) {
 PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance,
                             const ImageField& field) {
   const std::vector<UncertainPixel> grid = uncertaintyOverImage(camera, covariance, field);
-  if (grid.empty()) return {kInfinity, kInfinity};
+  if (grid.empty()) return PixelError::unknown();
   PixelError error;
   double sum = 0.0;
   for (const UncertainPixel& point : grid) {

@@ -41,6 +41,9 @@ Intrinsics normalizationSigmas(const Camera& camera) {
 
 double entropy(const Camera& camera, const IntrinsicsMatrix& covariance) {
   const Intrinsics inverse = normalizationSigmas(camera).cwiseInverse();
+  if (covariance.rows() != inverse.size() || covariance.cols() != inverse.size()) {
+    return std::numeric_limits<double>::infinity();
+  }
   const Eigen::MatrixXd normalized = inverse.asDiagonal() * covariance * inverse.asDiagonal();
   const Eigen::LLT<Eigen::MatrixXd> cholesky(normalized);
   if (!normalized.allFinite() || cholesky.info() != Eigen::Success) {

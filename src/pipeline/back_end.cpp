@@ -9,8 +9,6 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
 StartupOptions startupOptions(const Options& options) {
   StartupOptions startup;
   startup.max_keyframes = options.startup_keyframes;
@@ -28,8 +26,8 @@ BackEnd::BackEnd(const Options& options, const Camera& camera)
       detector_(options.false_alarms_per_hour),
       row_time_(options.readout_s / rowSteps(camera.height()), rowSteps(camera.height())) {
   report_.camera = camera;
-  report_.uncertainty = {kInfinity, kInfinity};
-  report_.entropy = kInfinity;
+  report_.uncertainty = PixelError::unknown();
+  report_.entropy = std::numeric_limits<double>::infinity();
 }
 
 BackEndOutput BackEnd::process(const KeyframeMessage& seen) {

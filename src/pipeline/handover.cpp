@@ -1,7 +1,6 @@
 // From the startup batch to the queue: the part of BackEnd that works until hand-over.
 
 #include <cstdio>
-#include <limits>
 #include <string>
 
 #include "camera_self_calibration/estimation/entropy.h"
@@ -10,8 +9,6 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr PixelError kUnknown = {kInfinity, kInfinity};
 // Segments that disagree by more than this factor of their uncertainties are not describing one
 // camera, or one of them sits in a wrong minimum.
 constexpr double kMaxInflation = 5.0;
@@ -54,19 +51,17 @@ void BackEnd::adoptStartup() {
   report_.camera = startup_.heldCamera();
   report_.covariance = startup_.covariance();
   report_.uncertainty = startupUncertainty();
-  report_.entropy =
-      report_.covariance.size() > 0 ? entropy(report_.camera, report_.covariance) : kInfinity;
+  report_.entropy = entropy(report_.camera, report_.covariance);
 }
 
 PixelError BackEnd::startupUncertainty() const {
-  return startup_.usable() && startup_.covariance().size() > 0
-             ? pixelUncertainty(startup_.camera(), startup_.covariance(), field_)
-             : kUnknown;
+  return startup_.usable() ? pixelUncertainty(startup_.camera(), startup_.covariance(), field_)
+                           : PixelError::unknown();
 }
 
 PixelError BackEnd::queueUncertainty() const {
   return solution_.usable ? pixelUncertainty(solution_.camera, solution_.covariance, field_)
-                          : kUnknown;
+                          : PixelError::unknown();
 }
 
 // Further from the startup batch than the uncertainties of both explain: one of them is wrong.

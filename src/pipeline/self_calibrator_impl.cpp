@@ -1,6 +1,5 @@
 #include "self_calibrator_impl.h"
 
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -100,8 +99,7 @@ void SelfCalibrator::Impl::start(int image_width, int image_height,
   newest_beginning = next->number;
   report = CalibrationReport();
   report.camera = next->camera;
-  report.uncertainty = {std::numeric_limits<double>::infinity(),
-                        std::numeric_limits<double>::infinity()};
+  report.uncertainty = PixelError::unknown();
   learnt.reset();
   update.reset();
 }

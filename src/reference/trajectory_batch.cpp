@@ -1,7 +1,6 @@
 #include "camera_self_calibration/reference/trajectory_batch.h"
 
 #include <cmath>
-#include <limits>
 
 #include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/estimation/entropy.h"
@@ -50,15 +49,11 @@ double gate(const std::vector<BatchSegment>& batch, const Camera& camera) {
 
 void describe(const std::vector<BatchSegment>& batch, const BatchOptions& options,
               BatchEstimate* estimate) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  estimate->uncertainty = {kInfinity, kInfinity};
-  estimate->entropy = kInfinity;
   const auto marginal = batchMarginal(batch, estimate->camera, options);
   const auto covariance = marginal ? marginal->robustCovariance() : std::nullopt;
-  if (!covariance) return;
-  estimate->covariance = *covariance;
-  estimate->uncertainty = pixelUncertainty(estimate->camera, *covariance);
-  estimate->entropy = entropy(estimate->camera, *covariance);
+  estimate->covariance = covariance.value_or(IntrinsicsMatrix());
+  estimate->uncertainty = pixelUncertainty(estimate->camera, estimate->covariance);
+  estimate->entropy = entropy(estimate->camera, estimate->covariance);
 }
 
 }  // namespace

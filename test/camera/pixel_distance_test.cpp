@@ -110,6 +110,9 @@ TEST(PixelUncertainty, InfiniteWithoutAFiniteCovariance) {
   EXPECT_TRUE(std::isinf(pixelUncertainty(camera, covariance).max));
   EXPECT_TRUE(std::isinf(pixelUncertainty(camera, IntrinsicsMatrix::Identity(4, 4)).rms));
   EXPECT_TRUE(std::isinf(pixelUncertainty(Camera(), IntrinsicsMatrix::Identity(4, 4)).rms));
+  const PixelError none = pixelUncertainty(camera, IntrinsicsMatrix());
+  EXPECT_EQ(none.rms, PixelError::unknown().rms);
+  EXPECT_EQ(none.max, PixelError::unknown().max);
 }
 
 TEST(PixelUncertainty, HeldK3IsNoPartOfIt) {

@@ -66,6 +66,7 @@ TEST(Entropy, IsInfiniteWhereSingularOrNotFinite) {
   IntrinsicsMatrix bad = someCovariance(camera, 5);
   bad(0, 0) = NAN;
   EXPECT_EQ(entropy(camera, bad), INFINITY);
+  EXPECT_EQ(entropy(camera, IntrinsicsMatrix()), INFINITY);  // nothing is known
 }
 
 TEST(Entropy, CountsAnEstimatedK3) {

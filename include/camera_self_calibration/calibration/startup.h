@@ -90,6 +90,7 @@ class Startup {
   void tryOtherGuesses();
   void judge();
   void setInformation(const Marginal& marginal);
+  void setInformation(const IntrinsicsMatrix& information);
   void considerK3(const Segment& gated);
 
   StartupOptions options_;

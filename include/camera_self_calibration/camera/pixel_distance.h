@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/image_field.h"
 
@@ -10,12 +12,17 @@ namespace camera_self_calibration {
 struct PixelError {
   double rms = 0.0;
   double max = 0.0;
+
+  /// Of what nothing is known of: infinite.
+  static constexpr PixelError unknown() {
+    return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  }
 };
 
 /// Expected error of projections with intrinsics of covariance `covariance` (n_c x n_c), rays
 /// fixed, after removing what a rotation B omega of the camera absorbs:
 /// `A' = A - B (sum B^T B)^-1 sum B^T A`, per grid point `A' C A'^T`, rms = sqrt(mean trace),
-/// max = sqrt(max trace). Infinite where the covariance is not finite.
+/// max = sqrt(max trace). unknown() where the covariance is empty or not finite.
 PixelError pixelUncertainty(const Camera& camera, const IntrinsicsMatrix& covariance,
                             const ImageField& field = {});
 

@@ -10,7 +10,8 @@ namespace camera_self_calibration {
 Intrinsics normalizationSigmas(const Camera& camera);
 
 /// Normalised differential entropy `h = 1/2 ln |2 pi e Sigma'|` [nats] with
-/// `Sigma'_ij = Sigma_ij / (s_i s_j)`; +infinity where the covariance is not positive definite.
+/// `Sigma'_ij = Sigma_ij / (s_i s_j)`; +infinity where the covariance is empty or not positive
+/// definite.
 double entropy(const Camera& camera, const IntrinsicsMatrix& covariance);
 
 }  // namespace camera_self_calibration
