@@ -35,22 +35,23 @@ void BackEnd::runStartup(const KeyframeMessage& message) {
 // The batch forgets: it begins anew in every map, and in fast motion leaves out the oldest
 // keyframes. The queue does not.
 void BackEnd::followTheBetter() {
-  const bool believed = doubtInQueue().empty();
+  const QueueStanding queue = queueStanding();
+  const bool believed = queue.doubt.empty();
   if (believed) startup_.beginNextFrom(solution_.camera, solution_.covariance);
-  follows_queue_ = believed && !(startupUncertainty().rms <= queueUncertainty().rms);
+  follows_queue_ = believed && !(queue.startup_uncertainty.rms <= queue.uncertainty.rms);
   if (follows_queue_) {
     adoptSolution();
   } else if (startup_.usable()) {
     // Intrinsics that nothing told would only do harm in front.
     if (startup_.tellsLens()) changed_ = true;
-    adoptStartup();
+    adoptStartup(queue.startup_uncertainty);
   }
 }
 
-void BackEnd::adoptStartup() {
+void BackEnd::adoptStartup(const PixelError& uncertainty) {
   report_.camera = startup_.heldCamera();
   report_.covariance = startup_.covariance();
-  report_.uncertainty = startupUncertainty();
+  report_.uncertainty = uncertainty;
   report_.entropy = entropy(report_.camera, report_.covariance);
 }
 
@@ -59,36 +60,31 @@ PixelError BackEnd::startupUncertainty() const {
                            : PixelError::unknown();
 }
 
-PixelError BackEnd::queueUncertainty() const {
-  return solution_.usable ? pixelUncertainty(solution_.camera, solution_.covariance, field_)
-                          : PixelError::unknown();
-}
-
-// Further from the startup batch than the uncertainties of both explain: one of them is wrong.
-bool BackEnd::queueContradictsStartup() const {
-  if (!startup_.tellsLens() || !solution_.usable) return false;
-  const double limit = kMaxStartupDistance * (startupUncertainty().rms + queueUncertainty().rms);
-  return !(pixelDistance(solution_.camera, startup_.camera(), field_).rms <= limit);
-}
-
-// Why the queue's estimate is not believed; empty if it is.
-std::string BackEnd::doubtInQueue() const {
-  if (estimate_.candidates().size() < 2 || !solution_.usable) {
-    return "the queue does not hold two separate stretches yet";
+BackEnd::QueueStanding BackEnd::queueStanding() const {
+  QueueStanding queue;
+  queue.startup_uncertainty = startupUncertainty();
+  if (solution_.usable) {
+    queue.uncertainty = pixelUncertainty(solution_.camera, solution_.covariance, field_);
   }
-  if (queueContradictsStartup()) {
-    return format(
+  double distance = 0.0;
+  if (startup_.tellsLens() && solution_.usable) {
+    distance = pixelDistance(solution_.camera, startup_.camera(), field_).rms;
+    const double expected = queue.startup_uncertainty.rms + queue.uncertainty.rms;
+    queue.contradicts_startup = !(distance <= kMaxStartupDistance * expected);
+  }
+  if (estimate_.candidates().size() < 2 || !solution_.usable) {
+    queue.doubt = "the queue does not hold two separate stretches yet";
+  } else if (queue.contradicts_startup) {
+    queue.doubt = format(
         "the separate stretches and the whole are %.1f px rms apart, at most %.0f times their "
         "uncertainty is believed",
-        pixelDistance(solution_.camera, startup_.camera(), field_).rms, kMaxStartupDistance);
+        distance, kMaxStartupDistance);
+  } else if (solution_.inflation > kMaxInflation) {
+    queue.doubt =
+        format("the stretches disagree by %.1f times their uncertainty, at most %.1f is believed",
+               solution_.inflation, kMaxInflation);
   }
-  if (solution_.inflation > kMaxInflation) {
-    return format(
-        "the stretches disagree by %.1f times their uncertainty, at most %.1f is "
-        "believed",
-        solution_.inflation, kMaxInflation);
-  }
-  return "";
+  return queue;
 }
 
 void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events) {
@@ -97,16 +93,16 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
     return;
   }
   const double threshold = 2.0 * convergedRms();
-  obstacle_ = doubtInQueue();
-  if (queueContradictsStartup() && startupUncertainty().rms < threshold) {
+  const QueueStanding queue = queueStanding();
+  obstacle_ = queue.doubt;
+  if (queue.contradicts_startup && queue.startup_uncertainty.rms < threshold) {
     clearQueue();  // filled from a start that was wrong
   }
   if (!obstacle_.empty() || !startup_.usable()) return;
-  const double uncertainty = queueUncertainty().rms;
-  if (!(uncertainty < threshold ||
+  if (!(queue.uncertainty.rms < threshold ||
         entropy(solution_.camera, solution_.covariance) < options_.handover_entropy)) {
-    obstacle_ = format("the queue is good to %.2f px rms, hand-over is below %.2f px", uncertainty,
-                       threshold);
+    obstacle_ = format("the queue is good to %.2f px rms, hand-over is below %.2f px",
+                       queue.uncertainty.rms, threshold);
     return;
   }
   handed_over_ = true;

@@ -98,7 +98,7 @@ void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* even
   startup_course_.clear();
   detector_.reset();
   startup_.resume(verdict.camera, verdict.information, verdict.segment);
-  adoptStartup();
+  adoptStartup(startupUncertainty());
   changed_ = true;
   for (const Candidate& candidate : verdict.recent) offer(candidate);
   if (!estimate_.candidates().empty()) solveQueue();

@@ -69,12 +69,17 @@ class BackEnd {
   void clearQueue();
   // In handover.cpp: from the startup batch to the queue.
   void runStartup(const KeyframeMessage& message);
+  struct QueueStanding {  // of the queue's estimate beside the startup batch's
+    PixelError uncertainty = PixelError::unknown();
+    PixelError startup_uncertainty = PixelError::unknown();
+    // Further from it than the uncertainties of both explain: one of them is wrong.
+    bool contradicts_startup = false;
+    std::string doubt;  // why the queue's estimate is not believed; empty if it is
+  };
+  QueueStanding queueStanding() const;
   void followTheBetter();
-  void adoptStartup();
+  void adoptStartup(const PixelError& uncertainty);
   PixelError startupUncertainty() const;
-  PixelError queueUncertainty() const;
-  bool queueContradictsStartup() const;
-  std::string doubtInQueue() const;
   void considerHandover(std::int64_t stamp_ns, std::vector<Event>* events);
   // In lens_epochs.cpp: what the watch over the lens leads to.
   void considerCandidate(const KeyframeMessage& message, std::vector<Event>* events);
