@@ -1,6 +1,7 @@
 #include "benchmark/rough_sequence.h"
 
 #include <cmath>
+#include <deque>
 #include <opencv2/imgcodecs.hpp>
 
 #include "benchmark/random_sequence.h"
@@ -70,33 +71,27 @@ class Chance {
 }  // namespace
 
 std::vector<Roughness> roughnessKinds() {
-  std::vector<Roughness> kinds(13);
-  kinds[0].name = "none";
-  kinds[1].name = "rolling 10 ms";
-  kinds[1].readout_s = 0.010;
-  kinds[2].name = "rolling 15 ms";
-  kinds[2].readout_s = 0.015;
-  kinds[3].name = "rolling 30 ms";
-  kinds[3].readout_s = 0.030;
-  kinds[4].name = "exposure jumps";
-  kinds[4].exposure_jumps_s = 0.7;
-  kinds[5].name = "blur 20 ms";
-  kinds[5].exposure_s = 0.020;
-  kinds[6].name = "noise 10";
-  kinds[6].noise_sigma = 10.0;
-  kinds[7].name = "vignetting 70 %";
-  kinds[7].vignetting = 0.7;
-  kinds[8].name = "JPEG quality 20";
-  kinds[8].jpeg_quality = 20;
-  kinds[9].name = "25 % dropped";
-  kinds[9].dropped_share = 0.25;
-  kinds[10].name = "fast";
-  kinds[10].motion_speed = 2.5;
-  kinds[11].name = "fast and blurred";
-  kinds[11].motion_speed = 2.0;
-  kinds[11].exposure_s = 0.020;
-  Roughness& all = kinds[12];
-  all.name = "all of it";
+  std::deque<Roughness> kinds;  // whose references stay valid
+  const auto add = [&kinds](const char* name) -> Roughness& {
+    kinds.emplace_back();
+    kinds.back().name = name;
+    return kinds.back();
+  };
+  add("none");
+  add("rolling 10 ms").readout_s = 0.010;
+  add("rolling 15 ms").readout_s = 0.015;
+  add("rolling 30 ms").readout_s = 0.030;
+  add("exposure jumps").exposure_jumps_s = 0.7;
+  add("blur 20 ms").exposure_s = 0.020;
+  add("noise 10").noise_sigma = 10.0;
+  add("vignetting 70 %").vignetting = 0.7;
+  add("JPEG quality 20").jpeg_quality = 20;
+  add("25 % dropped").dropped_share = 0.25;
+  add("fast").motion_speed = 2.5;
+  Roughness& fast_and_blurred = add("fast and blurred");
+  fast_and_blurred.motion_speed = 2.0;
+  fast_and_blurred.exposure_s = 0.020;
+  Roughness& all = add("all of it");
   all.readout_s = 0.015;
   all.exposure_s = 0.010;
   all.noise_sigma = 5.0;
@@ -104,7 +99,7 @@ std::vector<Roughness> roughnessKinds() {
   all.exposure_jumps_s = 1.0;
   all.jpeg_quality = 40;
   all.dropped_share = 0.1;
-  return kinds;
+  return {kinds.begin(), kinds.end()};
 }
 
 Camera renderRough(const RoughVideo& video, const Roughness& roughness,
