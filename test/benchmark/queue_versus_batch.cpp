@@ -4,7 +4,6 @@
 //   queue_versus_batch [--sequences 32] [--first-seed 1] [--seconds 60] [--trajectories FOLDER]
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "benchmark/program_arguments.h"
+#include "benchmark/random_lens.h"
 #include "benchmark/random_sequence.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/median.h"
@@ -33,11 +33,8 @@ struct Arguments {
 
 /// The models in turn.
 RandomSequence sequenceOf(const Arguments& arguments, int index) {
-  constexpr std::array<CameraModel, 4> kModels = {CameraModel::kFov, CameraModel::kRadtan,
-                                                  CameraModel::kEquidistant, CameraModel::kPinhole};
   const std::uint64_t seed = arguments.first_seed + static_cast<std::uint64_t>(index);
-  return randomSequence(kModels[seed % kModels.size()], arguments.seconds, seed,
-                        arguments.trajectories);
+  return randomSequence(modelOf(seed), arguments.seconds, seed, arguments.trajectories);
 }
 
 /// One calibrator and what it said.

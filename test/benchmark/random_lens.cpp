@@ -1,6 +1,7 @@
 #include "benchmark/random_lens.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "camera_self_calibration/simulation/random.h"
@@ -89,6 +90,12 @@ RandomLens randomLens(CameraModel model, int width, int height, std::uint64_t se
   Eigen::VectorXd parameters(4 + distortion.parameters.size());
   parameters << f, f * aspect, cx, cy, distortion.parameters;
   return {Camera(model, width, height, parameters), field_of_view};
+}
+
+CameraModel modelOf(std::uint64_t seed) {
+  constexpr std::array<CameraModel, 4> kModels = {CameraModel::kFov, CameraModel::kRadtan,
+                                                  CameraModel::kEquidistant, CameraModel::kPinhole};
+  return kModels[seed % kModels.size()];
 }
 
 }  // namespace camera_self_calibration

@@ -18,4 +18,7 @@ struct RandomLens {
 /// lens.
 RandomLens randomLens(CameraModel model, int width, int height, std::uint64_t seed);
 
+/// The models in turn: fov, radtan, equidistant, pinhole.
+CameraModel modelOf(std::uint64_t seed);
+
 }  // namespace camera_self_calibration

@@ -8,7 +8,6 @@
 // `--shutter` is what the calibrator is told: auto, off or a readout time [s].
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -42,9 +41,7 @@ struct Row {
 };
 
 Row runTrial(const Arguments& arguments, double readout_s, std::uint64_t seed) {
-  constexpr std::array<CameraModel, 4> kModels = {CameraModel::kFov, CameraModel::kRadtan,
-                                                  CameraModel::kEquidistant, CameraModel::kPinhole};
-  const CameraModel model = kModels[seed % kModels.size()];
+  const CameraModel model = modelOf(seed);
   Random random(mixSeed(seed, 55));
   const Camera truth = randomLens(model, 640, 480, seed + 1).camera;
   TrackRunOptions tracks;

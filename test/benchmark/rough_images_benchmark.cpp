@@ -6,7 +6,6 @@
 // The same seed has the same room, lens and motion whatever the roughness.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "benchmark/program_arguments.h"
+#include "benchmark/random_lens.h"
 #include "benchmark/rough_sequence.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/median.h"
@@ -46,9 +46,7 @@ bool converged(const CalibrationReport& report) {
 }
 
 Row runTrial(const Roughness& kind, const Arguments& arguments, std::uint64_t seed) {
-  constexpr std::array<CameraModel, 4> kModels = {CameraModel::kFov, CameraModel::kRadtan,
-                                                  CameraModel::kEquidistant, CameraModel::kPinhole};
-  const CameraModel model = kModels[seed % kModels.size()];
+  const CameraModel model = modelOf(seed);
   Row row;
   std::vector<Camera> believed;
   Options options;
