@@ -12,27 +12,21 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/changing_tracks.h"
 #include "benchmark/many_changes.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
-#include "camera_self_calibration/simulation/feature_tracks.h"
-#include "camera_self_calibration/simulation/room.h"
-#include "camera_self_calibration/simulation/synthetic_motion.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr std::int64_t kStartNs = 1000000000;
+constexpr std::int64_t kStartNs = kChangingTracksStartNs;
 
 struct Scenario {
   CameraModel model = CameraModel::kFov;
-  std::uint64_t seed = 1;
+  ChangingTracks tracks;
   double rate_hz = 10.0;
-  double duration_s = 75.0;
-  double motion_speed = 0.6;
-  double pixel_sigma = 0.15;
-  int features = 100;
   double false_alarms_per_hour = 0.1;
 };
 
@@ -47,32 +41,13 @@ struct Outcome {
 
 using LensOverTime = std::function<Camera(double)>;
 
-FeatureTracks tracksOf(const Scenario& scenario, const Camera& camera, const LensOverTime& lens) {
-  RoomOptions room;
-  room.seed = scenario.seed + 1;
-  World world = makeRoom(room);
-  SyntheticMotionOptions motion;
-  motion.seed = scenario.seed + 2;
-  motion.duration_s = scenario.duration_s;
-  motion.speed = scenario.motion_speed;
-  motion.box = world.free_space;
-  FeatureTracksOptions options;
-  options.seed = scenario.seed + 3;
-  options.max_features = scenario.features;
-  options.pixel_sigma = scenario.pixel_sigma;
-  options.outlier_share = 0.01;
-  options.start_stamp_ns = kStartNs;
-  return FeatureTracks(std::move(world), Lens{camera, std::nullopt, 1.0, lens},
-                       syntheticMotion(motion), options);
-}
-
 Outcome runScenario(const Scenario& scenario, const Camera& camera, const LensOverTime& lens,
                     double change_s) {
-  FeatureTracks tracks = tracksOf(scenario, camera, lens);
+  FeatureTracks tracks = makeTracks(scenario.tracks, camera, lens);
   Options options;
   options.model = scenario.model;
   options.false_alarms_per_hour = scenario.false_alarms_per_hour;
-  options.tracker.max_features = scenario.features;
+  options.tracker.max_features = scenario.tracks.features;
   Outcome outcome;
   Callbacks callbacks;
   callbacks.event = [&](const Event& event) {
@@ -82,7 +57,7 @@ Outcome runScenario(const Scenario& scenario, const Camera& camera, const LensOv
     if (report.change_p_value < 1.0) outcome.p_values.push_back(report.change_p_value);
   };
   SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
-  const int frames = static_cast<int>(scenario.duration_s * scenario.rate_hz);
+  const int frames = static_cast<int>(scenario.tracks.duration_s * scenario.rate_hz);
   for (int i = 0; i < frames; ++i) {
     const double time = i / scenario.rate_hz;
     const TrackedFrame frame = tracks.track(kStartNs + static_cast<std::int64_t>(1e9 * time));
@@ -160,9 +135,9 @@ void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_
   for (int i = 0; i < trials; ++i) {
     Scenario scenario;
     scenario.model = model;
-    scenario.seed = first_seed + 100 * i;
-    scenario.duration_s = kChangeS + kind.limit_s + 15.0;
-    const Camera camera = randomLens(model, 640, 480, scenario.seed).camera;
+    scenario.tracks.seed = first_seed + 100 * i;
+    scenario.tracks.duration_s = kChangeS + kind.limit_s + 15.0;
+    const Camera camera = randomLens(model, 640, 480, scenario.tracks.seed).camera;
     const auto lens = [&](double t) {
       const double share = kind.drift_s > 0.0 ? std::clamp((t - kChangeS) / kind.drift_s, 0.0, 1.0)
                                               : (t >= kChangeS ? 1.0 : 0.0);
@@ -217,19 +192,20 @@ int benchmarkAlarms(double hours, double rate, std::uint64_t first_seed) {
   for (int i = 0; i < chunks; ++i) {
     Scenario scenario;
     scenario.model = static_cast<CameraModel>(i % 4);
-    scenario.seed = first_seed + 100 * i;
+    scenario.tracks.seed = first_seed + 100 * i;
     scenario.rate_hz = 2.0;
-    scenario.motion_speed = 0.3;
-    scenario.duration_s = kChunkS;
-    scenario.features = 48;
+    scenario.tracks.motion_speed = 0.3;
+    scenario.tracks.duration_s = kChunkS;
+    scenario.tracks.features = 48;
     scenario.false_alarms_per_hour = rate;
-    const Camera camera = randomLens(scenario.model, 640, 480, scenario.seed).camera;
+    const Camera camera = randomLens(scenario.model, 640, 480, scenario.tracks.seed).camera;
     const Outcome outcome = runScenario(scenario, camera, nullptr, 0.0);
     alarms += static_cast<int>(outcome.changes.size());
     done += kChunkS / 3600.0;
     std::printf("%-12s seed %llu: %zu alarms, %s, error %.3f px; so far %d in %.2f h at %g/h\n",
-                toString(scenario.model).c_str(), static_cast<unsigned long long>(scenario.seed),
-                outcome.changes.size(), toString(outcome.report.state).c_str(),
+                toString(scenario.model).c_str(),
+                static_cast<unsigned long long>(scenario.tracks.seed), outcome.changes.size(),
+                toString(outcome.report.state).c_str(),
                 pixelDistance(outcome.truth, outcome.report.camera).rms, alarms, done, rate);
     p_values.insert(p_values.end(), outcome.p_values.begin(), outcome.p_values.end());
     if (i % 6 == 5 || i + 1 == chunks) printPValues(p_values);

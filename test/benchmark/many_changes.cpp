@@ -6,19 +6,17 @@
 #include <memory>
 #include <vector>
 
+#include "benchmark/changing_tracks.h"
 #include "benchmark/process_cost.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
-#include "camera_self_calibration/simulation/feature_tracks.h"
 #include "camera_self_calibration/simulation/random.h"
-#include "camera_self_calibration/simulation/room.h"
-#include "camera_self_calibration/simulation/synthetic_motion.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr std::int64_t kStartNs = 1000000000;
+constexpr std::int64_t kStartNs = kChangingTracksStartNs;
 constexpr double kRateHz = 10.0;
 constexpr int kFeatures = 60;
 constexpr int kRows = 10;
@@ -41,7 +39,7 @@ class Runner {
         frames_each_(static_cast<int>(seconds * kRateHz)),
         scales_(focalScales(changes, seed)),
         camera_(randomLens(CameraModel::kFov, 640, 480, seed).camera),
-        tracks_(makeTracks(seconds, seed)) {
+        tracks_(tracksOf(seconds, seed)) {
     Options options;
     options.model = camera_.model();
     options.tracker.max_features = kFeatures;
@@ -65,30 +63,18 @@ class Runner {
   }
 
  private:
-  FeatureTracks makeTracks(double seconds, std::uint64_t seed) {
-    RoomOptions room;
-    room.seed = seed + 1;
-    World world = makeRoom(room);
-    SyntheticMotionOptions motion;
-    motion.seed = seed + 2;
-    motion.duration_s = (changes_ + 1) * seconds;
-    motion.speed = 0.6;
-    motion.box = world.free_space;
-    FeatureTracksOptions options;
-    options.seed = seed + 3;
-    options.max_features = kFeatures;
-    options.pixel_sigma = 0.15;
-    options.outlier_share = 0.01;
-    options.start_stamp_ns = kStartNs;
-    const auto lens = [this](double) {
+  FeatureTracks tracksOf(double seconds, std::uint64_t seed) const {
+    ChangingTracks tracks;
+    tracks.seed = seed;
+    tracks.duration_s = (changes_ + 1) * seconds;
+    tracks.features = kFeatures;
+    return makeTracks(tracks, camera_, [this](double) {
       Intrinsics parameters = camera_.parameters();
       parameters.head<2>() *= scales_[static_cast<std::size_t>(stretch_)];
       Camera camera = camera_;
       camera.setParameters(parameters);
       return camera;
-    };
-    return FeatureTracks(std::move(world), Lens{camera_, std::nullopt, 1.0, lens},
-                         syntheticMotion(motion), options);
+    });
   }
 
   Callbacks callbacks() {
