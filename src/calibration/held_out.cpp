@@ -36,19 +36,6 @@ SolverOptions solverOptions(int iterations, int threads) {
   return options;
 }
 
-// Adds what the sigmas leave out, then removes the tracks that do not fit.
-void gate(const Problem& problem, JointFit* fit) {
-  for (std::size_t i = 0; i < fit->segments.size(); ++i) {
-    Segment& segment = fit->segments[i];
-    const double unexplained = unexplainedSigma(problem.blocks[i], fit->camera);
-    for (Observation& observation : segment.observations) {
-      observation.sigma = std::hypot(observation.sigma, unexplained);
-    }
-    fit->tracks[i].unexplained_sigma = std::hypot(fit->tracks[i].unexplained_sigma, unexplained);
-    removeLandmarks(misfits(problem.blocks[i], fit->camera), &segment);
-  }
-}
-
 std::map<std::int64_t, const Landmark*> landmarksById(const Segment& segment) {
   std::map<std::int64_t, const Landmark*> known;
   for (const Landmark& landmark : segment.landmarks) known[landmark.track_id] = &landmark;
@@ -114,7 +101,9 @@ JointFit fitJointly(const std::vector<Segment>& segments, const Camera& start, i
   if (!solve(problem, solverOptions(20, threads)).usable || !fit.camera.valid()) return fit;
   for (SegmentBlock& block : problem.blocks) block.sigma_scale = 1.0;
   if (!solve(problem, solverOptions(20, threads)).usable || !fit.camera.valid()) return fit;
-  gate(problem, &fit);
+  for (std::size_t i = 0; i < fit.segments.size(); ++i) {
+    fit.tracks[i].unexplained_sigma = gateSegment(problem.blocks[i], fit.camera).unexplained_sigma;
+  }
   problem = problemOf(&fit.segments, &fit.camera);
   if (!solve(problem, solverOptions(20, threads)).usable || !fit.camera.valid()) return fit;
   for (std::size_t i = 0; i < fit.segments.size(); ++i) {

@@ -45,19 +45,14 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
     problem.blocks = {freeBlock(segment, *camera)};
     const bool first = round == 0;
     if (!solve(problem, first ? rough : solver).usable) return fit;
-    const SegmentBlock& block = problem.blocks.front();
-    const double unexplained = unexplainedSigma(block, *camera);
-    for (Observation& observation : segment->observations) {
-      observation.sigma = std::hypot(observation.sigma, unexplained);
-    }
-    fit.unexplained_sigma = std::hypot(fit.unexplained_sigma, unexplained);
-    const std::vector<int> outliers = misfits(block, *camera);
-    if (outliers.empty() && unexplained == 0.0) {
+    const GateResult gate = gateSegment(problem.blocks.front(), *camera);
+    fit.unexplained_sigma = std::hypot(fit.unexplained_sigma, gate.unexplained_sigma);
+    if (gate.removed_tracks.empty() && gate.unexplained_sigma == 0.0) {
       settled = !first;
       break;
     }
-    for (const int l : outliers) fit.removed_tracks.push_back(segment->landmarks[l].track_id);
-    removeLandmarks(outliers, segment);
+    fit.removed_tracks.insert(fit.removed_tracks.end(), gate.removed_tracks.begin(),
+                              gate.removed_tracks.end());
   }
   if (segment->observations.empty()) return fit;
   problem.blocks = {freeBlock(segment, *camera)};

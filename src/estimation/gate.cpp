@@ -166,4 +166,18 @@ double unexplainedSigma(const SegmentBlock& block, const Camera& camera) {
   return high;
 }
 
+GateResult gateSegment(const SegmentBlock& block, const Camera& camera) {
+  GateResult result;
+  result.unexplained_sigma = unexplainedSigma(block, camera);
+  for (Observation& observation : block.segment->observations) {
+    observation.sigma = std::hypot(observation.sigma, result.unexplained_sigma);
+  }
+  const std::vector<int> outliers = misfits(block, camera);
+  for (const int l : outliers) {
+    result.removed_tracks.push_back(block.segment->landmarks[l].track_id);
+  }
+  removeLandmarks(outliers, block.segment);
+  return result;
+}
+
 }  // namespace camera_self_calibration

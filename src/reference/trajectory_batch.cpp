@@ -37,12 +37,7 @@ double gate(const std::vector<BatchSegment>& batch, const Camera& camera) {
   double largest = 0.0;
   for (const BatchSegment& part : batch) {
     const SegmentBlock block{part.segment, part.fixed_keyframes, part.fixed_landmark, 1.0};
-    const double unexplained = unexplainedSigma(block, camera);
-    for (Observation& seen : part.segment->observations) {
-      seen.sigma = std::hypot(seen.sigma, unexplained);
-    }
-    removeLandmarks(misfits(block, camera), part.segment);
-    largest = std::max(largest, unexplained);
+    largest = std::max(largest, gateSegment(block, camera).unexplained_sigma);
   }
   return largest;
 }

@@ -137,6 +137,31 @@ TEST(UnexplainedSigma, IsWhatTheSigmasLeaveOut) {
   EXPECT_EQ(unexplainedSigma(blockOf(&empty), kCamera), 0.0);
 }
 
+TEST(GateSegment, AddsWhatIsUnexplainedAndRemovesWhatDoesNotFit) {
+  SegmentOptions options;
+  options.camera = kCamera;
+  options.tracks.pixel_sigma = 0.5;
+  options.tracks.reported_sigma = 0.3;
+  SimulatedSegment made = makeSegment(options, 4);
+  Segment& segment = made.segment;
+  Observation& bad = segment.observations[someObservation(segment)];
+  bad.pixel.x() += 10.0;
+  const std::int64_t bad_track = segment.landmarks[bad.landmark].track_id;
+  const std::size_t landmarks = segment.landmarks.size();
+  const double unexplained = unexplainedSigma(blockOf(&segment), kCamera);
+  ASSERT_GT(unexplained, 0.2);
+  const GateResult result = gateSegment(blockOf(&segment), kCamera);
+  EXPECT_EQ(result.unexplained_sigma, unexplained);
+  for (const Observation& o : segment.observations) {
+    EXPECT_EQ(o.sigma, std::hypot(0.3, unexplained));
+  }
+  const auto& removed = result.removed_tracks;
+  EXPECT_EQ(std::count(removed.begin(), removed.end(), bad_track), 1);
+  EXPECT_EQ(segment.landmarks.size() + removed.size(), landmarks);
+  for (const Landmark& landmark : segment.landmarks) EXPECT_NE(landmark.track_id, bad_track);
+  EXPECT_TRUE(misfits(blockOf(&segment), kCamera).empty());
+}
+
 TEST(MedianResidualScale, IsTheNoiseOverTheSigma) {
   double mean = 0.0;
   constexpr int kTrials = 10;

@@ -33,6 +33,17 @@ void removeLandmarks(const std::vector<int>& landmarks, Segment* segment);
 /// is what it should be, the loss of degrees of freedom accounted for. 0 where the sigmas suffice.
 double unexplainedSigma(const SegmentBlock& block, const Camera& camera);
 
+/// What gateSegment() did.
+struct GateResult {
+  double unexplained_sigma = 0.0;  ///< That it added, in quadrature [px].
+  std::vector<std::int64_t> removed_tracks;
+};
+
+/// Between two solutions of a segment: adds what the sigmas leave out (unexplainedSigma) to those
+/// of all its observations, so that a common misfit empties no segment, and then removes the tracks
+/// that do not fit (misfits). `fixed_landmark` of the block no longer holds.
+GateResult gateSegment(const SegmentBlock& block, const Camera& camera);
+
 /// Robust residual scale of a segment's fit: median of the squared whitened residuals over its
 /// expectation for right sigmas, square-rooted; with the loss of degrees of freedom accounted for.
 double medianResidualScale(const SegmentBlock& block, const Camera& camera);
