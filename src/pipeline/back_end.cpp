@@ -31,7 +31,8 @@ BackEnd::BackEnd(const Options& options, const Camera& camera)
 }
 
 BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
-  const KeyframeMessage message = freed(seen);
+  const std::optional<KeyframeMessage> freed_message = freed(seen);
+  const KeyframeMessage& message = freed_message ? *freed_message : seen;
   field_ = message.field;
   BackEndOutput output;
   report_.stamp_ns = message.candidate.endNs();

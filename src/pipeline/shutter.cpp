@@ -1,6 +1,7 @@
 // What rows that are read one after the other lead to: the part of BackEnd that learns the readout
 // time of a rolling shutter.
 
+#include <optional>
 #include <vector>
 
 #include "camera_self_calibration/map/rolling_shutter.h"
@@ -14,10 +15,15 @@ constexpr int kKeyframesBetween = 3;
 // Changes of the queue after which it is asked again, which takes three solutions of the queue.
 constexpr int kSwapsBetween = 5;
 
+// With a global shutter there is nothing to free it of.
+bool isGlobal(double row_time_s, const Segment& segment) {
+  return segment.keyframes.empty() ||
+         (segment.keyframes.front().row_time_s == 0.0 && row_time_s == 0.0);
+}
+
 // Before anything is known of the lens, features move as each was seen to.
 void freeOf(double row_time_s, const Camera& camera, bool scene_known, Segment* segment) {
-  if (segment->keyframes.empty()) return;
-  if (segment->keyframes.front().row_time_s == row_time_s && row_time_s == 0.0) return;
+  if (isGlobal(row_time_s, *segment)) return;
   if (scene_known) {
     setRowTimeOfScene(row_time_s, camera, segment);
   } else {
@@ -27,12 +33,16 @@ void freeOf(double row_time_s, const Camera& camera, bool scene_known, Segment* 
 
 }  // namespace
 
-// The front end may know an older row time.
-KeyframeMessage BackEnd::freed(const KeyframeMessage& message) const {
+// The front end may know an older row time. Nothing where the message is good as it is.
+std::optional<KeyframeMessage> BackEnd::freed(const KeyframeMessage& message) const {
+  const double row_time_s = row_time_.inUse();
+  if (isGlobal(row_time_s, message.candidate) && isGlobal(row_time_s, message.history)) {
+    return std::nullopt;
+  }
   KeyframeMessage result = message;
   const bool scene_known = handed_over_ || follows_queue_ || startup_.tellsLens();
-  freeOf(row_time_.inUse(), report_.camera, scene_known, &result.candidate);
-  freeOf(row_time_.inUse(), report_.camera, scene_known, &result.history);
+  freeOf(row_time_s, report_.camera, scene_known, &result.candidate);
+  freeOf(row_time_s, report_.camera, scene_known, &result.history);
   return result;
 }
 

@@ -90,7 +90,7 @@ class BackEnd {
   void rememberStartup();
   std::optional<Reference> startupBefore(std::int64_t stamp_ns) const;
   // In shutter.cpp: what rows that are read one after the other lead to.
-  KeyframeMessage freed(const KeyframeMessage& message) const;
+  std::optional<KeyframeMessage> freed(const KeyframeMessage& message) const;
   void considerRowTime();
   void adoptRowTime();
   void reportShutter();
