@@ -18,10 +18,7 @@ double likelihoodRatio(const Segment& segment, const Camera& fresh, const Camera
   Segment free_segment = segment;
   Camera free_camera = fresh;
   if (!fitSegment(SegmentFitOptions(), &free_segment, &free_camera).usable) return kUnknown;
-  // From here on the same observations and sigmas for both, so that costs compare.
-  SegmentFitOptions options;
-  options.gating_rounds = 0;
-  options.max_iterations = 40;
+  SegmentFitOptions options = comparableFits();
   Segment held_segment = free_segment;
   Camera held_camera = known;
   const SegmentFit free = fitSegment(options, &free_segment, &free_camera);

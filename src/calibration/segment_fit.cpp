@@ -25,6 +25,13 @@ double scaleAgainstTracker(Segment segment, double unexplained, const Camera& ca
 
 }  // namespace
 
+SegmentFitOptions comparableFits() {
+  SegmentFitOptions options;
+  options.gating_rounds = 0;
+  options.max_iterations = 40;
+  return options;
+}
+
 SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera* camera) {
   SegmentFit fit;
   SolverOptions solver;

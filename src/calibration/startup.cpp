@@ -259,10 +259,7 @@ void Startup::considerK3(const Segment& gated) {
       static_cast<int>(gated.keyframes.size()) < kFirstRetry) {
     return;
   }
-  // Both from the same state with the same observations, sigmas and effort, so that costs compare.
-  SegmentFitOptions options;
-  options.gating_rounds = 0;
-  options.max_iterations = 40;
+  const SegmentFitOptions options = comparableFits();
   Segment without_segment = gated;
   Camera without_camera = camera_;
   const SegmentFit without = fitSegment(options, &without_segment, &without_camera);

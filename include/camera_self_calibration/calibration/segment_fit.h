@@ -19,9 +19,13 @@ struct SegmentFitOptions {
   IntrinsicsPrior prior = {};  ///< Vague, against runaways; the marginal does not contain it.
 };
 
+/// For fits of the same observations under several lenses: nothing is gated, and the effort is the
+/// same and enough, so that their costs compare.
+SegmentFitOptions comparableFits();
+
 struct SegmentFit {
   bool usable = false;
-  Marginal marginal;       ///< At the solution, with the sigmas as they are in the segment then.
+  Marginal marginal;  ///< At the solution, with the sigmas as they are in the segment then.
   /// Robust scale (medianResidualScale) of the residuals that are left after gating, against the
   /// tracker's own sigmas.
   double residual_scale = 1.0;
