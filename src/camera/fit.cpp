@@ -87,20 +87,6 @@ std::vector<Camera> starts(const Eigen::Vector4d& axis, int width, int height, C
   return cameras;
 }
 
-PixelError directDistance(const Camera& camera, const std::vector<PixelRay>& grid) {
-  PixelError error;
-  double sum = 0.0;
-  for (const PixelRay& point : grid) {
-    Eigen::Vector2d pixel;
-    const double e = camera.project(point.ray, &pixel) ? (pixel - point.pixel).norm()
-                                                       : std::numeric_limits<double>::infinity();
-    sum += e * e;
-    error.max = std::max(error.max, e);
-  }
-  error.rms = std::sqrt(sum / grid.size());
-  return error;
-}
-
 std::optional<CameraFit> bestFit(const std::vector<PixelRay>& grid, std::vector<Camera> from) {
   if (grid.size() < 2 * kMaxIntrinsics) return std::nullopt;
   std::optional<Camera> best;

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/image_field.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
 
@@ -25,5 +29,23 @@ std::vector<PixelRay> pixelGrid(
     int width, int height,
     const std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>& unproject,
     const ImageField& field = {});
+
+/// Distance of a lens's projections from the pixels whose rays they are of, as they are: no
+/// rotation is removed. Infinite where it cannot project one of them. `Lens` has `bool
+/// project(const Eigen::Vector3d& ray, Eigen::Vector2d* pixel) const`.
+template <typename Lens>
+PixelError directDistance(const Lens& lens, const std::vector<PixelRay>& grid) {
+  PixelError error;
+  double sum = 0.0;
+  for (const PixelRay& point : grid) {
+    Eigen::Vector2d pixel;
+    const double e = lens.project(point.ray, &pixel) ? (pixel - point.pixel).norm()
+                                                     : std::numeric_limits<double>::infinity();
+    sum += e * e;
+    error.max = std::max(error.max, e);
+  }
+  error.rms = std::sqrt(sum / static_cast<double>(grid.size()));
+  return error;
+}
 
 }  // namespace camera_self_calibration

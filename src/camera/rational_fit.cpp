@@ -3,7 +3,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "pixel_grid.h"
@@ -11,7 +10,6 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// Where on the axis-symmetric curve a pixel of the source lies.
@@ -55,19 +53,6 @@ Vector6d fitCoefficients(const std::vector<RadialSample>& samples, double unit) 
     k = a.colPivHouseholderQr().solve(b);
   }
   return k;
-}
-
-PixelError directDistance(const RationalPolynomial& camera, const std::vector<PixelRay>& grid) {
-  PixelError error;
-  double sum = 0.0;
-  for (const PixelRay& point : grid) {
-    Eigen::Vector2d pixel;
-    const double e = camera.project(point.ray, &pixel) ? (pixel - point.pixel).norm() : kInfinity;
-    sum += e * e;
-    error.max = std::max(error.max, e);
-  }
-  error.rms = std::sqrt(sum / static_cast<double>(grid.size()));
-  return error;
 }
 
 RationalPolynomial withoutDenominator(const Camera& source) {
