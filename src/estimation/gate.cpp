@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/transfer.h"
+#include "camera_self_calibration/geometry/median.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -130,18 +131,12 @@ double freedomShare(const SegmentBlock& block) {
   return std::max(0.1, (residuals - variables) / residuals);
 }
 
-double median(std::vector<double>* values) {
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
-
 }  // namespace
 
 double medianResidualScale(const SegmentBlock& block, const Camera& camera) {
   std::vector<double> squares = squaredResiduals(block, camera);
   if (squares.empty()) return 1.0;
-  return std::sqrt(median(&squares) / kMedianOfChiSquare2 / freedomShare(block));
+  return std::sqrt(medianInPlace(&squares) / kMedianOfChiSquare2 / freedomShare(block));
 }
 
 double unexplainedSigma(const SegmentBlock& block, const Camera& camera) {
@@ -154,7 +149,7 @@ double unexplainedSigma(const SegmentBlock& block, const Camera& camera) {
       const double sigma = block.segment->observations[o].sigma * block.sigma_scale;
       ratios[o] = squares[o] * sigma * sigma / (sigma * sigma + extra * extra);
     }
-    return median(&ratios);
+    return medianInPlace(&ratios);
   };
   if (!(medianWith(0.0) > target)) return 0.0;
   double low = 0.0;
