@@ -72,7 +72,7 @@ void Startup::reset(const Camera& initial) {
   next_.reset();
   segment_ = Segment();
   information_ = covariance_ = IntrinsicsMatrix();
-  uncertainty_ = PixelError::unknown();
+  whole_image_uncertainty_ = PixelError::unknown();
   residual_scale_ = 1.0;
   usable_ = false;
   told_ = false;
@@ -85,7 +85,7 @@ void Startup::switchModel(const Camera& camera) {
   next_.reset();
   options_.growth.prior = vaguePrior(camera);
   information_ = covariance_ = IntrinsicsMatrix();
-  uncertainty_ = PixelError::unknown();
+  whole_image_uncertainty_ = PixelError::unknown();
   usable_ = false;
 }
 
@@ -116,7 +116,8 @@ Camera Startup::heldCamera() const {
 }
 
 bool Startup::tellsLens() const {
-  return usable_ && uncertainty_.rms < options_.useless_uncertainty_share * camera_.width();
+  return usable_ &&
+         whole_image_uncertainty_.rms < options_.useless_uncertainty_share * camera_.width();
 }
 
 void Startup::add(const Segment& history) {
@@ -198,7 +199,7 @@ void Startup::tryOtherGuesses() {
 
 void Startup::judge() {
   usable_ = false;
-  uncertainty_ = PixelError::unknown();
+  whole_image_uncertainty_ = PixelError::unknown();
   if (static_cast<int>(segment_.keyframes.size()) < options_.growth.free_after_keyframes) return;
   Segment gated = segment_;
   Camera camera = camera_;
@@ -239,7 +240,7 @@ void Startup::setInformation(const Marginal& marginal) {
 void Startup::setInformation(const IntrinsicsMatrix& information) {
   information_ = information;
   covariance_ = covarianceFromInformation(information_).value_or(IntrinsicsMatrix());
-  uncertainty_ = pixelUncertainty(camera_, covariance_);
+  whole_image_uncertainty_ = pixelUncertainty(camera_, covariance_);
 }
 
 void Startup::setRowTime(double row_time_s) {

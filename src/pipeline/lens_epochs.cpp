@@ -107,8 +107,7 @@ void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* even
 
 // The batch holds the newest keyframes too, so that what came before them has to be remembered.
 void BackEnd::rememberStartup() {
-  const bool good = startup_.usable() && startup_.uncertainty().rms < 2.0 * convergedRms();
-  if (report_.epoch == 0 || !good) return;
+  if (report_.epoch == 0 || !(startupUncertainty().rms < 2.0 * convergedRms())) return;
   const double share = 1.0 / (kStartupSigmas * kStartupSigmas);
   startup_course_.emplace_back(
       report_.stamp_ns, Reference{startup_.camera(), share * startup_.information(), 1.0, 0});

@@ -153,7 +153,7 @@ TEST(Startup, RemembersWhatToldTheLens) {
   newest.add(last);
   EXPECT_TRUE(isRight(chosen, truth));
   EXPECT_EQ(chosen.segment().keyframes.size(), 12u);
-  EXPECT_LT(chosen.uncertainty().rms, 0.8 * newest.uncertainty().rms);
+  EXPECT_LT(chosen.wholeImageUncertainty().rms, 0.8 * newest.wholeImageUncertainty().rms);
 }
 
 TEST(GrowByKeyframe, BearsWhatCannotBePredicted) {

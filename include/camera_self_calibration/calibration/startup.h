@@ -75,8 +75,9 @@ class Startup {
   const IntrinsicsMatrix& information() const { return information_; }
   /// Inverse of information(); empty where that is singular.
   const IntrinsicsMatrix& covariance() const { return covariance_; }
-  /// Of camera(); infinite until it is usable and where the information is singular [px].
-  const PixelError& uncertainty() const { return uncertainty_; }
+  /// Of camera(), over the whole image, what the lens leaves dark too: tellsLens() goes by it.
+  /// Infinite until it is usable and where the information is singular [px].
+  const PixelError& wholeImageUncertainty() const { return whole_image_uncertainty_; }
   /// Robust scale of the residuals against the tracker's own sigma (SegmentFit::residual_scale).
   double residualScale() const { return residual_scale_; }
 
@@ -102,7 +103,7 @@ class Startup {
   Segment gated_;  // as solved last, without outliers
   IntrinsicsMatrix information_;
   IntrinsicsMatrix covariance_;
-  PixelError uncertainty_;
+  PixelError whole_image_uncertainty_;
   double residual_scale_ = 1.0;
   bool usable_ = false;
   bool told_ = false;   // tellsLens() at the last keyframe that could be judged

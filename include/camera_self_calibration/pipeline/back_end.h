@@ -79,7 +79,7 @@ class BackEnd {
   QueueStanding queueStanding() const;
   void followTheBetter();
   void adoptStartup(const PixelError& uncertainty);
-  PixelError startupUncertainty() const;
+  PixelError startupUncertainty() const;  // over the part of the image that sees, as the queue's
   void considerHandover(std::int64_t stamp_ns, std::vector<Event>* events);
   // In lens_epochs.cpp: what the watch over the lens leads to.
   void considerCandidate(const KeyframeMessage& message, std::vector<Event>* events);
