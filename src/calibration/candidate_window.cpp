@@ -2,41 +2,35 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
 namespace {
 
-std::string format(const char* text, double value, double limit) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof(buffer), text, value, limit);
-  return buffer;
-}
-
 std::string illPosed(const CandidateOptions& options, const Candidate& candidate) {
-  const auto landmarks = static_cast<double>(candidate.segment.landmarks.size());
+  const int landmarks = static_cast<int>(candidate.segment.landmarks.size());
   if (landmarks < options.min_landmarks) {
-    return format("only %.0f landmarks fit, %.0f are needed", landmarks, options.min_landmarks);
+    return formatted("only %d landmarks fit, %d are needed", landmarks, options.min_landmarks);
   }
   if (candidate.residual_scale > options.max_residual_scale) {
-    return format("residuals are %.1f times the tracker's sigma, at most %.1f are believed",
-                  candidate.residual_scale, options.max_residual_scale);
+    return formatted("residuals are %.1f times the tracker's sigma, at most %.1f are believed",
+                     candidate.residual_scale, options.max_residual_scale);
   }
   const double smallest = scaledEigenvalues(candidate.information)(0);
   if (!(smallest > options.min_scaled_eigenvalue)) {
-    return format("the intrinsics are not observable (scaled eigenvalue %.1e, %.1e is needed)",
-                  smallest, options.min_scaled_eigenvalue);
+    return formatted("the intrinsics are not observable (scaled eigenvalue %.1e, %.1e is needed)",
+                     smallest, options.min_scaled_eigenvalue);
   }
   const double limit = options.max_pixel_uncertainty_share * candidate.camera.width();
   if (!(candidate.uncertainty.rms < limit)) {
-    return format("the intrinsics are too uncertain (%.1f px rms, below %.1f is needed)",
-                  candidate.uncertainty.rms, limit);
+    return formatted("the intrinsics are too uncertain (%.1f px rms, below %.1f is needed)",
+                     candidate.uncertainty.rms, limit);
   }
   if (!std::isfinite(candidate.entropy)) return "the covariance is not positive definite";
   return "";
@@ -51,8 +45,8 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
   candidate.segment = segment;
   candidate.camera = start;
   if (static_cast<int>(segment.keyframes.size()) < options.min_keyframes) {
-    candidate.reason = format("%.0f keyframes, %.0f are needed",
-                              static_cast<double>(segment.keyframes.size()), options.min_keyframes);
+    candidate.reason = formatted("%d keyframes, %d are needed",
+                                 static_cast<int>(segment.keyframes.size()), options.min_keyframes);
     return candidate;
   }
   SegmentFitOptions fit_options;
@@ -76,8 +70,8 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
   candidate.reason = illPosed(options, candidate);
   const double remaining = fit.marginal.remainingStep() / candidate.sigma_scale;
   if (candidate.reason.empty() && !(remaining < options.max_remaining_step)) {
-    candidate.reason = format("the solution has not settled (%.1f sigma to go, at most %.1f)",
-                              remaining, options.max_remaining_step);
+    candidate.reason = formatted("the solution has not settled (%.1f sigma to go, at most %.1f)",
+                                 remaining, options.max_remaining_step);
   }
   candidate.well_posed = candidate.reason.empty();
   return candidate;

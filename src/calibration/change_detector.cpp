@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <optional>
 #include <utility>
 
 #include "camera_self_calibration/calibration/change_course.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/geometry/median.h"
 
 namespace camera_self_calibration {
@@ -33,9 +33,7 @@ constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a dr
 constexpr double kMaxMisfit = 2.0;
 
 std::string withP(const char* text, double p_value) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof(buffer), "%s (p = %.1e)", text, p_value);
-  return buffer;
+  return formatted("%s (p = %.1e)", text, p_value);
 }
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }

@@ -1,10 +1,10 @@
 #include "camera_self_calibration/calibration/health.h"
 
 #include <cmath>
-#include <cstdio>
 
 #include "camera_self_calibration/calibration/weak_directions.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -20,19 +20,13 @@ constexpr double kUselessUncertaintyShare = 0.02;
 // What is less than this share of the image that sees is worth a word.
 constexpr double kWholeImage = 0.98;
 
-std::string format(const char* text, double a) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof(buffer), text, a);
-  return buffer;
-}
-
 std::string goodTo(const HealthEvidence& evidence) {
-  return format("good to %.2f px rms over the image", evidence.uncertainty.rms) +
+  return formatted("good to %.2f px rms over the image", evidence.uncertainty.rms) +
          (evidence.seeing_share < kWholeImage ? " without its dark rim" : "");
 }
 
 std::string limit(const HealthEvidence& evidence) {
-  return format(" (limit %.2f px)", evidence.threshold_px);
+  return formatted(" (limit %.2f px)", evidence.threshold_px);
 }
 
 bool isUnobserved(const HealthEvidence& evidence, const Camera& camera) {
@@ -72,7 +66,7 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
       evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
   if (evidence.has_estimate) {
     sentence += "; so far " + goodTo(evidence) +
-                format(" (hand-over below %.2f px)", 2.0 * evidence.threshold_px);
+                formatted(" (hand-over below %.2f px)", 2.0 * evidence.threshold_px);
     sentence += ", least known: " + weak.name;
   }
   if (!evidence.obstacle.empty()) sentence += "; " + evidence.obstacle;
@@ -98,7 +92,7 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
   if (evidence.handed_over) {
     return {CalibrationState::kConverging,
             "the calibration is " + goodTo(evidence) +
-                format(", %.2f px are wanted", evidence.threshold_px) +
+                formatted(", %.2f px are wanted", evidence.threshold_px) +
                 "; least known: " + weak.name,
             weak.hint};
   }

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/estimation/robust.h"
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -29,12 +29,6 @@ double likelihoodRatio(const Segment& segment, const Camera& fresh, const Camera
   return 2.0 * (held.marginal.cost - free.marginal.cost) / (scale * scale);
 }
 
-std::string describe(const char* text, double distance, double expected, double ratio) {
-  char buffer[240];
-  std::snprintf(buffer, sizeof(buffer), text, distance, expected, ratio);
-  return buffer;
-}
-
 }  // namespace
 
 Recheck recheckCalibration(const RecheckOptions& options, const RecheckEvidence& evidence,
@@ -51,15 +45,15 @@ Recheck recheckCalibration(const RecheckOptions& options, const RecheckEvidence&
     // A vague estimate is near to everything.
     if (evidence.fresh_error.rms > 0.5 * evidence.threshold_px) return result;
     result.verdict = RecheckVerdict::kSame;
-    result.sentence = describe("%.2f px rms from what the new images say (expected: %.2f px)",
-                               result.distance_px, expected, 0.0);
+    result.sentence = formatted("%.2f px rms from what the new images say (expected: %.2f px)",
+                                result.distance_px, expected);
     return result;
   }
   result.likelihood_ratio = likelihoodRatio(segment, evidence.fresh, evidence.known);
   const int parameters = std::max(evidence.fresh.estimatedCount(), evidence.known.estimatedCount());
   if (result.likelihood_ratio > chiSquareQuantile(parameters, options.false_alarm)) {
     result.verdict = RecheckVerdict::kDifferent;
-    result.sentence = describe(
+    result.sentence = formatted(
         "%.2f px rms from what the new images say (expected: %.2f px; likelihood ratio %.0f)",
         result.distance_px, expected, result.likelihood_ratio);
     return result;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -30,12 +30,10 @@ double jointScore(ScoreKind kind, const IntrinsicsMatrix& information, const Cam
 std::string compare(ScoreKind kind, bool accepted, double candidate, const char* with,
                     double limit) {
   const bool pixel = kind == ScoreKind::kPixel;
-  char buffer[200];
-  std::snprintf(buffer, sizeof(buffer), "%s: %s %.*f against %.*f needed to beat %s",
-                accepted ? "accepted" : "refused", pixel ? "pixel error [px]" : "entropy",
-                pixel ? 4 : 2, pixel ? std::exp(candidate) : candidate, pixel ? 4 : 2,
-                pixel ? std::exp(limit) : limit, with);
-  return buffer;
+  return formatted("%s: %s %.*f against %.*f needed to beat %s", accepted ? "accepted" : "refused",
+                   pixel ? "pixel error [px]" : "entropy", pixel ? 4 : 2,
+                   pixel ? std::exp(candidate) : candidate, pixel ? 4 : 2,
+                   pixel ? std::exp(limit) : limit, with);
 }
 
 // The score that a candidate would have to undercut, and the segments that it would replace.

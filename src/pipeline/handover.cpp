@@ -1,9 +1,9 @@
 // From the startup batch to the queue: the part of BackEnd that works until hand-over.
 
-#include <cstdio>
 #include <string>
 
 #include "camera_self_calibration/estimation/entropy.h"
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/pipeline/back_end.h"
 
 namespace camera_self_calibration {
@@ -15,12 +15,6 @@ constexpr double kMaxInflation = 5.0;
 // Distance of the queue's estimate from the startup batch's, over the sum of their uncertainties,
 // beyond which one of them is wrong.
 constexpr double kMaxStartupDistance = 4.0;
-
-std::string format(const char* text, double a, double b) {
-  char buffer[200];
-  std::snprintf(buffer, sizeof(buffer), text, a, b);
-  return buffer;
-}
 
 }  // namespace
 
@@ -75,14 +69,14 @@ BackEnd::QueueStanding BackEnd::queueStanding() const {
   if (estimate_.candidates().size() < 2 || !solution_.usable) {
     queue.doubt = "the queue does not hold two separate stretches yet";
   } else if (queue.contradicts_startup) {
-    queue.doubt = format(
+    queue.doubt = formatted(
         "the separate stretches and the whole are %.1f px rms apart, at most %.0f times their "
         "uncertainty is believed",
         distance, kMaxStartupDistance);
   } else if (solution_.inflation > kMaxInflation) {
-    queue.doubt =
-        format("the stretches disagree by %.1f times their uncertainty, at most %.1f is believed",
-               solution_.inflation, kMaxInflation);
+    queue.doubt = formatted(
+        "the stretches disagree by %.1f times their uncertainty, at most %.1f is believed",
+        solution_.inflation, kMaxInflation);
   }
   return queue;
 }
@@ -101,16 +95,17 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
   if (!obstacle_.empty() || !startup_.usable()) return;
   if (!(queue.uncertainty.rms < threshold ||
         entropy(solution_.camera, solution_.covariance) < options_.handover_entropy)) {
-    obstacle_ = format("the queue is good to %.2f px rms, hand-over is below %.2f px",
-                       queue.uncertainty.rms, threshold);
+    obstacle_ = formatted("the queue is good to %.2f px rms, hand-over is below %.2f px",
+                          queue.uncertainty.rms, threshold);
     return;
   }
   handed_over_ = true;
   report_.handed_over = true;
   adoptSolution();
-  events->push_back({EventType::kHandover, stamp_ns, stamp_ns,
-                     format("the queue's estimate took over, good to %.2f px rms (limit %.2f px)",
-                            report_.uncertainty.rms, threshold)});
+  events->push_back(
+      {EventType::kHandover, stamp_ns, stamp_ns,
+       formatted("the queue's estimate took over, good to %.2f px rms (limit %.2f px)",
+                 report_.uncertainty.rms, threshold)});
 }
 
 }  // namespace camera_self_calibration

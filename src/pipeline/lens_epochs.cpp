@@ -1,10 +1,10 @@
 // What the watch over the lens leads to: the part of BackEnd that begins epochs.
 
-#include <cstdio>
 #include <optional>
 #include <string>
 
 #include "camera_self_calibration/calibration/candidate_outlook.h"
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/pipeline/back_end.h"
 
 namespace camera_self_calibration {
@@ -16,11 +16,8 @@ constexpr double kStartupSigmas = 2.0;
 constexpr std::size_t kStartupCourse = 20;  // keyframes
 
 std::string describe(const Event& event) {
-  char buffer[120];
-  std::snprintf(buffer, sizeof(buffer), ": by %.2f px rms over the image, noticed after %.1f s",
-                event.magnitude_px,
-                1e-9 * static_cast<double>(event.stamp_ns - event.onset_stamp_ns));
-  return buffer;
+  return formatted(": by %.2f px rms over the image, noticed after %.1f s", event.magnitude_px,
+                   1e-9 * static_cast<double>(event.stamp_ns - event.onset_stamp_ns));
 }
 
 }  // namespace

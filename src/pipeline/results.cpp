@@ -1,7 +1,8 @@
 #include "camera_self_calibration/pipeline/results.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
 
@@ -36,22 +37,15 @@ std::string toString(EventType type) {
 }
 
 std::string describe(const ShutterReport& shutter) {
-  char text[160];
   const double readout_ms = 1e3 * shutter.readout_s;
   const double sigma_ms = 1e3 * shutter.sigma_s;
   if (sigma_ms == 0.0) {
-    std::snprintf(text, sizeof(text), "%s, %.3f ms from the first row to the last (given)",
-                  shutter.rolls ? "rolling" : "global", readout_ms);
-  } else if (!std::isfinite(sigma_ms)) {
-    std::snprintf(text, sizeof(text), "taken for global, nothing is known yet");
-  } else if (shutter.rolls) {
-    std::snprintf(text, sizeof(text), "rolling, %.3f ms from the first row to the last, sigma %.3f",
-                  readout_ms, sigma_ms);
-  } else {
-    std::snprintf(text, sizeof(text), "global: %.3f ms from the first row to the last, sigma %.3f",
-                  readout_ms, sigma_ms);
+    return formatted("%s, %.3f ms from the first row to the last (given)",
+                     shutter.rolls ? "rolling" : "global", readout_ms);
   }
-  return text;
+  if (!std::isfinite(sigma_ms)) return "taken for global, nothing is known yet";
+  return formatted("%s %.3f ms from the first row to the last, sigma %.3f",
+                   shutter.rolls ? "rolling," : "global:", readout_ms, sigma_ms);
 }
 
 }  // namespace camera_self_calibration

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -24,12 +25,6 @@ std::vector<double> logarithmicTicks(const Range& range) {
     }
   }
   return ticks;
-}
-
-std::string shortText(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof(buffer), "%g", value);
-  return buffer;
 }
 
 double stepOf(const std::vector<double>& ticks) {
@@ -54,9 +49,7 @@ std::vector<double> roundTicks(const Range& range, int count) {
 
 std::string tickText(double value, double step) {
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
-  char buffer[64];
-  std::snprintf(buffer, sizeof(buffer), "%.*f", decimals, value);
-  return buffer;
+  return formatted("%.*f", decimals, value);
 }
 
 cv::Point2d Axes::at(double x_value, double y_value) const {
@@ -76,7 +69,7 @@ void drawAxes(const Axes& axes, const Palette& colours, Sheet* sheet) {
     sheet->line({axes.area.x, y}, {axes.area.x + axes.area.width, y}, colours.grid, 0.5);
     if (last_y - y < 1.5 * kTickText) continue;  // no room for another number
     last_y = y;
-    sheet->text(axes.logarithmic_y ? shortText(tick) : tickText(tick, stepOf(ticks)),
+    sheet->text(axes.logarithmic_y ? formatted("%g", tick) : tickText(tick, stepOf(ticks)),
                 {axes.area.x - 6.0, y + 0.5 * kTickText}, kTickText, colours.faint_text,
                 Align::kRight);
   }

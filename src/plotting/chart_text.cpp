@@ -2,18 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/plotting/sheet.h"
 
 namespace camera_self_calibration {
 namespace {
 
-std::string number(double value, int decimals) {
-  char buffer[64];
-  std::snprintf(buffer, sizeof(buffer), "%.*f", decimals, value);
-  return buffer;
-}
+std::string number(double value, int decimals) { return formatted("%.*f", decimals, value); }
 
 /// So that two digits of `spread` are seen.
 int decimalsFor(double spread) {

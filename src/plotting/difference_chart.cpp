@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <vector>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/plotting/axes.h"
 
 namespace camera_self_calibration {
@@ -18,12 +18,6 @@ constexpr double kScaleHeight = 50.0;
 constexpr int kArrowEvery = 3;
 constexpr double kGridColumns = 40.0;
 constexpr double kGridRows = 30.0;
-
-std::string text(const char* format, double first, double second = 0.0, double third = 0.0) {
-  char buffer[160];
-  std::snprintf(buffer, sizeof(buffer), format, first, second, third);
-  return buffer;
-}
 
 /// Nearly all differences lie below; the few at the border of the field that do not would make all
 /// others look alike.
@@ -49,13 +43,14 @@ class DifferenceChart {
 
   cv::Mat draw() {
     const PixelError& error = difference_.error;
-    sheet_.text(text("%.3g px rms, %.3g px at most", error.rms, error.max), {kMargin, 26.0}, 10.0,
-                colours_.text, Align::kLeft, true);
-    sheet_.text(text("after the rotation of %.3g deg that fits best", difference_.rotation_deg),
-                {kMargin, 46.0}, 7.5, colours_.faint_text);
+    sheet_.text(formatted("%.3g px rms, %.3g px at most", error.rms, error.max), {kMargin, 26.0},
+                10.0, colours_.text, Align::kLeft, true);
+    sheet_.text(
+        formatted("after the rotation of %.3g deg that fits best", difference_.rotation_deg),
+        {kMargin, 46.0}, 7.5, colours_.faint_text);
     drawCells();
     const double magnified = drawArrows();
-    sheet_.text(text("arrows %.3g times as long", magnified), {kWidth - kMargin, 46.0}, 7.5,
+    sheet_.text(formatted("arrows %.3g times as long", magnified), {kWidth - kMargin, 46.0}, 7.5,
                 colours_.faint_text, Align::kRight);
     drawCentre();
     sheet_.outline(area_, colours_.faint_text);

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <opencv2/imgproc.hpp>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/plotting/sheet.h"
 
 namespace camera_self_calibration {
@@ -66,9 +66,7 @@ cv::Mat coloured(const ImageMap& map, double highest) {
 }
 
 std::string shortNumber(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof(buffer), value < 1000.0 ? "%.3g" : "%.0f", value);
-  return buffer;
+  return value < 1000.0 ? formatted("%.3g", value) : formatted("%.0f", value);
 }
 
 void drawScale(const ImageMap& map, double highest, const cv::Rect2d& area, Sheet* sheet) {

@@ -3,10 +3,10 @@
 #include <camera_calibration_parsers/parse_yml.h>
 
 #include <cmath>
-#include <cstdio>
 #include <exception>
 #include <sstream>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/model_conversion.h"
 
@@ -33,12 +33,6 @@ std::string sizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-std::string pixelText(double pixels) {
-  char buffer[40];
-  std::snprintf(buffer, sizeof(buffer), "%.3g px", pixels);
-  return buffer;
-}
-
 // Moved or removed by the user, not by this program.
 const char* const kLeftUntouched = "; it is left untouched: move it away or choose another file";
 
@@ -59,9 +53,10 @@ CalibrationStore::Loaded CalibrationStore::load(CameraModel model, int width, in
     if (fit) {
       loaded.camera = fit->camera;
       loaded.notes.push_back("the calibration in " + options_.calibration_file + " is the start" +
-                             (fit->error.max > 0.0 ? ", fitted to the model " + toString(model) +
-                                                         " within " + pixelText(fit->error.max)
-                                                   : ""));
+                             (fit->error.max > 0.0
+                                  ? ", fitted to the model " + toString(model) + " within " +
+                                        formatted("%.3g px", fit->error.max)
+                                  : ""));
     } else {
       refusal = "the calibration file " + options_.calibration_file +
                 " is not used: its distortion '" + calibration.info->distortion_model +

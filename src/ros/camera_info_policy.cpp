@@ -1,18 +1,10 @@
 #include "camera_self_calibration/ros/camera_info_policy.h"
 
 #include <cmath>
-#include <cstdio>
+
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
-namespace {
-
-std::string format(const char* text, const std::string& model, double px) {
-  char buffer[300];
-  std::snprintf(buffer, sizeof(buffer), text, model.c_str(), px);
-  return buffer;
-}
-
-}  // namespace
 
 bool CameraInfoPolicy::usable(const CalibrationReport& report) const {
   if (report.state == CalibrationState::kConverged) return true;
@@ -69,10 +61,10 @@ std::string CameraInfoPolicy::publish(const Camera& camera, bool converged) {
               "that camera_info stays zero; set output_distortion_model to auto.";
     conversion.reset();
   } else if (conversion->error.max > kConversionWarning) {
-    warning = format(
+    warning = formatted(
         "The published camera_info (%s) deviates from the estimated lens by up to %.2f px; another "
         "output_distortion_model may be closer.",
-        conversion->info.distortion_model, conversion->error.max);
+        conversion->info.distortion_model.c_str(), conversion->error.max);
   }
   if (conversion) setProjection(converged, &conversion->info);
   const std::lock_guard<std::mutex> lock(mutex_);

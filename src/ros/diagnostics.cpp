@@ -1,7 +1,8 @@
 #include "camera_self_calibration/ros/diagnostics.h"
 
 #include <algorithm>
-#include <cstdio>
+
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
 
@@ -18,8 +19,7 @@ bool isOfTracking(EventType type) {
 void addEvent(const std::optional<Event>& event,
               diagnostic_updater::DiagnosticStatusWrapper* status) {
   if (!event) return;
-  char stamp[40];
-  std::snprintf(stamp, sizeof(stamp), " at %.3f s: ", 1e-9 * static_cast<double>(event->stamp_ns));
+  const std::string stamp = formatted(" at %.3f s: ", 1e-9 * static_cast<double>(event->stamp_ns));
   status->add("last event", toString(event->type) + stamp + event->sentence);
 }
 

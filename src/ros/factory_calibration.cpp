@@ -1,10 +1,10 @@
 #include "camera_self_calibration/ros/factory_calibration.h"
 
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/ros/camera_info.h"
 
 namespace camera_self_calibration {
@@ -28,11 +28,8 @@ std::string sizeText(int width, int height) {
 }
 
 std::string describe(const PixelError& distance, const PixelError& uncertainty) {
-  char text[200];
-  std::snprintf(text, sizeof(text),
-                "%.2f px rms (max %.2f px), with the live one good to %.2f px rms", distance.rms,
-                distance.max, uncertainty.rms);
-  return text;
+  return formatted("%.2f px rms (max %.2f px), with the live one good to %.2f px rms", distance.rms,
+                   distance.max, uncertainty.rms);
 }
 
 /// In the model to estimate, where an estimate can start.

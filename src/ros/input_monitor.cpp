@@ -1,8 +1,8 @@
 #include "camera_self_calibration/ros/input_monitor.h"
 
-#include <cstdio>
 #include <utility>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/ros/mask_file.h"
 #include "camera_self_calibration/ros/stamps.h"
 
@@ -17,9 +17,7 @@ std::string sizeText(int width, int height) {
 }
 
 std::string secondsText(std::int64_t nanoseconds) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "%.1f s", toSeconds(nanoseconds));
-  return text;
+  return formatted("%.1f s", toSeconds(nanoseconds));
 }
 
 }  // namespace

@@ -3,8 +3,8 @@
 #include <sensor_msgs/point_cloud2_iterator.h>
 
 #include <algorithm>
-#include <cstdio>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/plotting/palette.h"
 #include "camera_self_calibration/ros/messages.h"
 
@@ -41,9 +41,7 @@ std_msgs::ColorRGBA toColour(const Colour& bgr, double alpha = 1.0) {
 
 std::string labelOf(const Event& event) {
   if (event.type != EventType::kCalibrationChange) return toString(event.type);
-  char size[40];
-  std::snprintf(size, sizeof(size), " by %.2g px", event.magnitude_px);
-  return toString(event.type) + size;
+  return toString(event.type) + formatted(" by %.2g px", event.magnitude_px);
 }
 
 /// Makes the markers of one scene.

@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/plotting/convergence_chart.h"
 #include "camera_self_calibration/ros/scene_messages.h"
 #include "camera_self_calibration/ros/stamps.h"
@@ -188,9 +188,7 @@ std::vector<Caption> Visualizer::captions(const FrameResult& frame) const {
   const CalibrationReport& report = scene_.report();
   std::string calibration = toString(report.state);
   if (report.covariance.size() > 0 && std::isfinite(report.uncertainty.rms)) {
-    char error[64];
-    std::snprintf(error, sizeof(error), ", expected error %.2g px", report.uncertainty.rms);
-    calibration += error;
+    calibration += formatted(", expected error %.2g px", report.uncertainty.rms);
   }
   std::vector<Caption> all = {
       {trackingColour(frame.state), toString(frame.state) + ", " + frame.sentence},
@@ -204,8 +202,7 @@ std::optional<Caption> Visualizer::newsAt(std::int64_t stamp_ns) const {
   if (!newest_event_) return std::nullopt;
   const double ago = 1e-9 * static_cast<double>(stamp_ns - newest_event_->stamp_ns);
   if (!(std::abs(ago) < kNewsS)) return std::nullopt;
-  char when[40];
-  std::snprintf(when, sizeof(when), ", %.0f s ago: ", std::max(0.0, ago));
+  const std::string when = formatted(", %.0f s ago: ", std::max(0.0, ago));
   return Caption{eventColour(newest_event_->type),
                  toString(newest_event_->type) + when + newest_event_->sentence};
 }

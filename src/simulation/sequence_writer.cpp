@@ -1,12 +1,12 @@
 #include "camera_self_calibration/simulation/sequence_writer.h"
 
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 #include <stdexcept>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/simulation/tum_file.h"
 
 namespace camera_self_calibration {
@@ -44,9 +44,7 @@ void writeSequence(const SimulatedSequence& sequence, const std::string& folder,
   std::vector<StampedPose> poses;
   for (int i = 0; i < sequence.size(); ++i) {
     const SimulatedFrame frame = sequence.frame(i);
-    char name[32];
-    std::snprintf(name, sizeof(name), "/%06d.", i);
-    writeImage(folder + name + extension, frame.image);
+    writeImage(folder + formatted("/%06d.", i) + extension, frame.image);
     poses.push_back({1e-9 * static_cast<double>(frame.stamp_ns), frame.world_from_camera});
     if (progress) progress(i);
   }

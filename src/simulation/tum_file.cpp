@@ -1,10 +1,11 @@
 #include "camera_self_calibration/simulation/tum_file.h"
 
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
+
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -71,10 +72,8 @@ void writeTum(const std::string& path, const std::vector<StampedPose>& poses) {
   for (const StampedPose& pose : poses) {
     const Eigen::Vector3d& t = pose.world_from_body.translation;
     const Eigen::Quaterniond& q = pose.world_from_body.rotation;
-    char line[256];
-    std::snprintf(line, sizeof(line), "%.9f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", pose.time_s,
-                  t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w());
-    out << line;
+    out << formatted("%.9f %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n", pose.time_s, t.x(), t.y(), t.z(),
+                     q.x(), q.y(), q.z(), q.w());
   }
   if (!out.flush()) throw std::runtime_error(path + ": cannot be written");
 }

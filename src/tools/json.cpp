@@ -1,9 +1,9 @@
 #include "camera_self_calibration/tools/json.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
+
+#include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration::json {
 namespace {
@@ -31,32 +31,28 @@ std::string escaped(char c) {
       break;
   }
   if (static_cast<unsigned char>(c) >= 0x20) return std::string(1, c);
-  std::array<char, 8> code{};
-  std::snprintf(code.data(), code.size(), "\\u%04x", static_cast<unsigned>(c));
-  return code.data();
+  return formatted("\\u%04x", static_cast<unsigned>(c));
 }
 
 }  // namespace
 
 std::string number(double value) {
   if (!std::isfinite(value)) return "null";
-  std::array<char, 32> text{};
+  std::string text;
   for (int digits = 6; digits <= 17; ++digits) {
-    std::snprintf(text.data(), text.size(), "%.*g", digits, value);
-    if (std::strtod(text.data(), nullptr) == value) break;
+    text = formatted("%.*g", digits, value);
+    if (std::strtod(text.c_str(), nullptr) == value) break;
   }
-  return text.data();
+  return text;
 }
 
 std::string number(std::int64_t value) { return std::to_string(value); }
 
 std::string seconds(std::int64_t nanoseconds) {
   const std::int64_t magnitude = std::abs(nanoseconds);
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%s%lld.%09lld", nanoseconds < 0 ? "-" : "",
-                static_cast<long long>(magnitude / 1000000000),
-                static_cast<long long>(magnitude % 1000000000));
-  return text.data();
+  return formatted("%s%lld.%09lld", nanoseconds < 0 ? "-" : "",
+                   static_cast<long long>(magnitude / 1000000000),
+                   static_cast<long long>(magnitude % 1000000000));
 }
 
 std::string string(const std::string& text) {

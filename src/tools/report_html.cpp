@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "batch_figures.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/plotting/palette.h"
 #include "camera_self_calibration/plotting/teaching_chart.h"
 #include "html_page.h"
@@ -15,10 +15,7 @@ namespace camera_self_calibration {
 namespace {
 
 std::string number(double value, int decimals) {
-  if (!std::isfinite(value)) return "-";
-  char text[64];
-  std::snprintf(text, sizeof(text), "%.*f", decimals, value);
-  return text;
+  return std::isfinite(value) ? formatted("%.*f", decimals, value) : "-";
 }
 
 /// Decimals that show two digits of a sigma.
@@ -33,9 +30,7 @@ std::string percent(double share, int decimals = 1) {
 }
 
 std::string cssColour(const Colour& bgr) {
-  char text[32];
-  std::snprintf(text, sizeof(text), "rgb(%.0f,%.0f,%.0f)", bgr[2], bgr[1], bgr[0]);
-  return text;
+  return formatted("rgb(%.0f,%.0f,%.0f)", bgr[2], bgr[1], bgr[0]);
 }
 
 std::string modelText(const Camera& camera) {

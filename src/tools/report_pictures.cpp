@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 #include "camera_self_calibration/calibration/queue_residuals.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/plotting/histogram.h"
 #include "camera_self_calibration/plotting/image_map.h"
 #include "camera_self_calibration/plotting/trajectory_chart.h"
@@ -169,9 +169,8 @@ cv::Mat drawResidualDistribution(const Recording& recording) {
     squares += seen.residual.squaredNorm();
   }
   if (whitened.empty()) return {};
-  char note[80];
-  std::snprintf(note, sizeof(note), "rms %.3f px an axis",
-                std::sqrt(squares / static_cast<double>(whitened.size())));
+  const std::string note =
+      formatted("rms %.3f px an axis", std::sqrt(squares / static_cast<double>(whitened.size())));
   return drawResidualHistogram(whitened, note, kMapWidth, 330, true);
 }
 

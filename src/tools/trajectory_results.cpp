@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/simulation/tum_file.h"
 #include "camera_self_calibration/tools/json.h"
 
@@ -19,22 +19,18 @@ std::vector<StampedCameraPose> posesOf(const std::vector<TimedPose>& timed) {
 
 std::string shareText(const char* when, const std::optional<TrajectoryDifference>& difference) {
   if (!difference) return {};
-  char text[200];
-  std::snprintf(text, sizeof(text),
-                "  %s: %.3f %% of the way apart from the run with the reference calibration "
-                "(mean over %d poses)\n",
-                when, 100.0 * difference->share(), difference->poses);
-  return text;
+  return formatted(
+      "  %s: %.3f %% of the way apart from the run with the reference calibration "
+      "(mean over %d poses)\n",
+      when, 100.0 * difference->share(), difference->poses);
 }
 
 std::string truthText(const char* what, const std::optional<TrajectoryDifference>& difference) {
   if (!difference) return {};
-  char text[200];
-  std::snprintf(text, sizeof(text),
-                "  %s: ATE %.4f, RPE %.4f and %.3f deg over %.0f s; %.1f travelled\n", what,
-                difference->rms, difference->relative_translation,
-                difference->relative_rotation_deg, difference->interval_s, difference->travelled);
-  return text;
+  return formatted("  %s: ATE %.4f, RPE %.4f and %.3f deg over %.0f s; %.1f travelled\n", what,
+                   difference->rms, difference->relative_translation,
+                   difference->relative_rotation_deg, difference->interval_s,
+                   difference->travelled);
 }
 
 std::string differenceJson(const std::optional<TrajectoryDifference>& difference) {
