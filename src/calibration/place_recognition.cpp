@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <random>
+#include <set>
 #include <utility>
 
 #include "camera_self_calibration/estimation/pose_solver.h"
@@ -15,12 +16,14 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr std::size_t kMinSeen = 15;
-constexpr std::size_t kMinAlike = 12;       // of the features matched by their looks alone
 constexpr std::size_t kFewest = 8;          // that a pose is computed from
-constexpr double kMinShare = 0.35;          // of the matches
+constexpr double kMinShare = 0.35;          // of the matches; of a place's points in view
 constexpr double kTolerance = 3.0 / 640.0;  // [image widths] A corner is not found twice at a spot.
 constexpr double kReach = 10.0 / 640.0;     // [image widths] Of a prediction.
-constexpr double kMaxPoseSigma = 0.05;      // [median depths]
+constexpr double kBorder = 24.0 / 640.0;    // [image widths] Where few corners are found.
+// Of a feature and a point that is predicted there: more than where looks alone have to tell.
+constexpr int kMaxBitsNear = 80;
+constexpr double kMaxPoseSigma = 0.05;  // [median depths]
 constexpr int kMaxSamples = 150;
 constexpr double kMissed = 1e-3;  // probability that no sample was free of wrong matches
 constexpr int kSampleSize = 4;
@@ -28,8 +31,30 @@ constexpr double kHuber = 2.0;
 
 // The point of a map that a feature looks most like.
 struct Nearest {
-  int bits = kMaxDifferingBits + 1;
+  int bits = kMaxBitsNear + 1;
   const PlacePoint* point = nullptr;
+};
+
+// Finds the features near a pixel.
+class FeaturesByRow {
+ public:
+  explicit FeaturesByRow(const std::vector<Appearance>& features) {
+    for (std::size_t i = 0; i < features.size(); ++i) rows_.emplace_back(features[i].pixel.y(), i);
+    std::sort(rows_.begin(), rows_.end());
+  }
+
+  // Calls visit(index) for each feature whose row is that near, and no other.
+  template <typename Visit>
+  void visitNear(double row, double reach, const Visit& visit) const {
+    const auto first = std::make_pair(row - reach, std::size_t{0});
+    for (auto next = std::lower_bound(rows_.begin(), rows_.end(), first);
+         next != rows_.end() && next->first <= row + reach; ++next) {
+      visit(next->second);
+    }
+  }
+
+ private:
+  std::vector<std::pair<double, std::size_t>> rows_;
 };
 
 std::optional<Eigen::Vector2d> seenFrom(const Rigid3& pose, const PlacePoint& point,
@@ -95,6 +120,25 @@ std::vector<SeenAgain> largestAgreement(const Place& place, const std::vector<Se
   return best;
 }
 
+// Whether enough is found again of what one place showed. A wall that merely repeats some of
+// another one's picture leaves most of its points unexplained.
+bool showsAPlace(const RecognizedPlace& recognized, const std::vector<Place>& places,
+                 const Camera& camera) {
+  std::set<std::int64_t> found_ids;
+  for (const SeenAgain& seen : recognized.seen) found_ids.insert(seen.point.track_id);
+  return std::any_of(places.begin(), places.end(), [&](const Place& place) {
+    if (place.map_id != recognized.map_id) return false;
+    std::size_t in_view = 0, found = 0;
+    for (const PlacePoint& point : place.points) {
+      const auto pixel = seenFrom(recognized.old_from_camera, point, camera);
+      if (!pixel || !camera.inImage(*pixel, kBorder * camera.width())) continue;
+      ++in_view;
+      found += found_ids.count(point.track_id);
+    }
+    return found >= kFewest && found >= kMinShare * static_cast<double>(in_view);
+  });
+}
+
 double medianInverseDistance(const RecognizedPlace& place) {
   std::vector<double> inverse;
   for (const SeenAgain& seen : place.seen) {
@@ -123,19 +167,20 @@ std::vector<SeenAgain> matchNear(const std::vector<Place>& places, std::uint64_t
   std::vector<Nearest> nearest(appearances.size());
   std::map<std::int64_t, int> bits_of_point;  // by track id: the least with any feature
   const double reach = kReach * camera.width();
+  const FeaturesByRow features(appearances);
   for (const Place& place : places) {
     if (place.map_id != map_id) continue;
     for (std::size_t p = 0; p < place.points.size(); ++p) {
       const PlacePoint& point = place.points[p];
       const auto pixel = seenFrom(old_from_camera, point, camera);
       if (!pixel) continue;
-      for (std::size_t i = 0; i < appearances.size(); ++i) {
-        if ((appearances[i].pixel - *pixel).squaredNorm() > reach * reach) continue;
+      features.visitNear(pixel->y(), reach, [&](std::size_t i) {
+        if ((appearances[i].pixel - *pixel).squaredNorm() > reach * reach) return;
         const int bits = differingBits(appearances[i].descriptor, place.descriptors[p]);
-        int& least = bits_of_point.try_emplace(point.track_id, kMaxDifferingBits + 1).first->second;
+        int& least = bits_of_point.try_emplace(point.track_id, kMaxBitsNear + 1).first->second;
         least = std::min(least, bits);
         if (bits < nearest[i].bits) nearest[i] = {bits, &point};
-      }
+      });
     }
   }
   std::vector<SeenAgain> matches;
@@ -149,9 +194,9 @@ std::vector<SeenAgain> matchNear(const std::vector<Place>& places, std::uint64_t
 
 std::optional<Rigid3> poseAtPlace(const Place& place, const std::vector<SeenAgain>& matches,
                                   const Camera& camera) {
-  if (matches.size() < kMinAlike) return std::nullopt;
+  if (matches.size() < kFewest) return std::nullopt;
   const std::vector<SeenAgain> seen = largestAgreement(place, matches, camera);
-  if (seen.size() < std::max<double>(kMinAlike, kMinShare * matches.size())) return std::nullopt;
+  if (seen.size() < std::max<double>(kFewest, kMinShare * matches.size())) return std::nullopt;
   const PoseEstimate pose = poseFrom(seen, turnedTo(place, seen, camera), camera);
   return pose.usable ? std::make_optional(pose.world_from_camera) : std::nullopt;
 }
@@ -178,6 +223,7 @@ std::optional<RecognizedPlace> confirmPose(const std::vector<Place>& places, std
   if (result.seen.size() < std::max<double>(kMinSeen, kMinShare * matches.size())) {
     return std::nullopt;
   }
+  if (!showsAPlace(result, places, camera)) return std::nullopt;
   const double sigma = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
   if (!(sigma * medianInverseDistance(result) < kMaxPoseSigma)) return std::nullopt;
   return result;

@@ -19,7 +19,10 @@ constexpr int kPatience = 10;
 constexpr int kMaxInterval = 10;
 // Of the places, those that look most alike are looked at closely.
 constexpr std::size_t kTried = 3;
-constexpr std::size_t kScoutEvery = 4;
+// Corners beside the tracks, in which a place is sought: of those that were followed there, the
+// tracks of today are a small choice.
+constexpr int kCorners = 400;
+constexpr std::size_t kScouts = 64;
 constexpr std::size_t kMinScouts = 3;
 constexpr std::size_t kMaxSightings = 6;
 constexpr std::size_t kMinSightings = 3;
@@ -86,7 +89,7 @@ std::optional<Relocation> Relocalizer::atKeyframe(std::uint64_t map_id, const Ma
   const bool remembers = trusted && keyframes_ >= kMinKeyframes && keyframes_ % kPlaceEvery == 0;
   ++keyframes_;
   std::vector<Appearance> appearances;
-  if (looks || remembers) appearances = describe(tracks);
+  if (looks || remembers) appearances = describe(tracks, looks ? kCorners : 0);
   if (remembers) memory_.add(map_id, map.keyframes().back(), appearances);
   memory_.refresh(map_id, map, camera);
   if (looks) look(map, camera, appearances);
@@ -113,7 +116,8 @@ void Relocalizer::look(const Map& map, const Camera& camera,
 std::vector<const Place*> Relocalizer::likelyPlaces(
     const std::vector<Appearance>& appearances) const {
   std::vector<Appearance> scouts;
-  for (std::size_t i = 0; i < appearances.size(); i += kScoutEvery) {
+  const std::size_t step = appearances.size() / kScouts + 1;
+  for (std::size_t i = 0; i < appearances.size(); i += step) {
     scouts.push_back(appearances[i]);
   }
   std::vector<std::pair<std::size_t, const Place*>> ranked;

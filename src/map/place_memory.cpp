@@ -35,6 +35,7 @@ void PlaceMemory::add(std::uint64_t map_id, const Keyframe& keyframe,
   place.keyframe_id = keyframe.id;
   place.world_from_camera = keyframe.world_from_camera;
   for (const Appearance& appearance : appearances) {
+    if (appearance.track_id == kNoTrack) continue;  // it gets no depth
     PlacePoint point;
     point.track_id = appearance.track_id;
     place.points.push_back(point);

@@ -178,7 +178,11 @@ void SelfCalibrator::Impl::processImage(const ImageView& image) {
   const TrackedFrame frame = tracker.track(image);  // a copy: detect() adds to the tracker's own
   processFrame(
       frame, [this] { return tracker.detect(); },
-      [&image](const std::vector<Track>& tracks) { return describe(image, tracks); }, begin);
+      [&](const std::vector<Track>& tracks, int corners) {
+        return describe(image, tracks,
+                        corners > 0 ? tracker.corners(corners) : std::vector<Eigen::Vector2d>());
+      },
+      begin);
 }
 
 MapView SelfCalibrator::Impl::mapView(const FrontEndOutput& output) const {

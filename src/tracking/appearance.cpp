@@ -39,27 +39,30 @@ cv::Mat rows(const std::vector<Descriptor>& descriptors) {
 
 }  // namespace
 
-std::vector<Appearance> describe(const ImageView& image, const std::vector<Track>& tracks) {
+std::vector<Appearance> describe(const ImageView& image, const std::vector<Track>& tracks,
+                                 const std::vector<Eigen::Vector2d>& corners) {
   std::vector<Appearance> result;
+  std::vector<Appearance> features;
+  for (const Track& track : tracks) features.push_back({track.id, track.pixel, {}});
+  for (const Eigen::Vector2d& pixel : corners) features.push_back({kNoTrack, pixel, {}});
   if (!ImagePyramid::usable(image)) return result;
   const cv::Mat gray(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
                      static_cast<std::size_t>(image.stride));
   std::vector<cv::KeyPoint> points;
-  for (std::size_t i = 0; i < tracks.size(); ++i) {
-    const Eigen::Vector2i pixel = tracks[i].pixel.array().round().cast<int>();
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    const Eigen::Vector2f at = features[i].pixel.cast<float>();
+    const Eigen::Vector2i pixel = at.array().round().cast<int>();
     if (!cv::Rect(0, 0, gray.cols, gray.rows).contains({pixel.x(), pixel.y()})) continue;
-    points.emplace_back(tracks[i].pixel.cast<float>().x(), tracks[i].pixel.cast<float>().y(),
-                        static_cast<float>(kPatchSize), orientation(gray, pixel.x(), pixel.y()),
-                        0.0F, 0, static_cast<int>(i));
+    points.emplace_back(at.x(), at.y(), static_cast<float>(kPatchSize),
+                        orientation(gray, pixel.x(), pixel.y()), 0.0F, 0, static_cast<int>(i));
   }
   cv::Mat descriptors;
   constexpr int kNoBorder = 1;
-  cv::ORB::create(static_cast<int>(tracks.size()), 1.2F, 1, kNoBorder, 0, 2, cv::ORB::HARRIS_SCORE,
-                  kPatchSize)
+  cv::ORB::create(static_cast<int>(features.size()), 1.2F, 1, kNoBorder, 0, 2,
+                  cv::ORB::HARRIS_SCORE, kPatchSize)
       ->compute(gray, points, descriptors);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const Track& track = tracks[static_cast<std::size_t>(points[i].class_id)];
-    result.push_back({track.id, track.pixel, {}});
+    result.push_back(features[static_cast<std::size_t>(points[i].class_id)]);
     std::copy_n(descriptors.ptr<std::uint8_t>(static_cast<int>(i)), sizeof(Descriptor),
                 result.back().descriptor.begin());
   }

@@ -21,10 +21,11 @@ constexpr double kAnchorReach = 2.0;  // [px] From a patch's centre to the track
 // [px] Around a corner when detected.
 constexpr int kBorder = ReferencePatch::kRawRadius + static_cast<int>(kAnchorReach) + 1;
 constexpr int kMaskRadius = ReferencePatch::kRawRadius;
-constexpr double kNeighbourhood = 0.15;      // [image widths]
-constexpr int kSaturated = 250;              // [gray]
-constexpr double kMaxSaturatedShare = 0.25;  // Of a patch.
-constexpr double kMaxSigma = 0.2;            // [px] Of a new track.
+constexpr double kNeighbourhood = 0.15;             // [image widths]
+constexpr int kSaturated = 250;                     // [gray]
+constexpr double kMaxSaturatedShare = 0.25;         // Of a patch.
+constexpr double kMaxSigma = 0.2;                   // [px] Of a new track.
+constexpr double kSameCorner = kAnchorReach + 1.0;  // [px] From the tip to the detector's maximum.
 constexpr double kSpread = 0.4;  // Least distance, against that of features on a square grid.
 
 bool saturated(const cv::Mat& image, int x, int y) {
@@ -62,7 +63,9 @@ struct Tracker::Impl {
   bool registerFrom(std::size_t i, const Warp& start);
   template <typename Keep>
   void keepIf(const Keep& keep);
-  bool crowded(const Eigen::Vector2d& pixel) const;
+  int cell() const;
+  bool allowed(const Corner& corner) const;
+  bool crowded(const Eigen::Vector2d& pixel, double distance) const;
   bool cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const;
   bool begin(const Corner& corner);
 
@@ -179,8 +182,19 @@ void Tracker::Impl::keepIf(const Keep& keep) {
   frame.tracks.resize(kept);
 }
 
-bool Tracker::Impl::crowded(const Eigen::Vector2d& pixel) const {
-  const double distance = minDistance();
+int Tracker::Impl::cell() const {
+  const double area = static_cast<double>(frame.width) * frame.height;
+  return std::max(1, static_cast<int>(std::sqrt(area / options.max_features)));
+}
+
+// Whether a feature may be there.
+bool Tracker::Impl::allowed(const Corner& corner) const {
+  return !mask.touches(corner.x, corner.y, kMaskRadius) &&
+         usable_area.contains(corner.x, corner.y) &&
+         !saturated(current.level(0), corner.x, corner.y);
+}
+
+bool Tracker::Impl::crowded(const Eigen::Vector2d& pixel, double distance) const {
   return std::any_of(frame.tracks.begin(), frame.tracks.end(), [&](const Track& track) {
     return (track.pixel - pixel).squaredNorm() < distance * distance;
   });
@@ -206,7 +220,7 @@ bool Tracker::Impl::begin(const Corner& corner) {
   Warp warp;
   if (!cut(corner, &patches[slot], &warp)) return false;
   const Eigen::Vector2d pixel = warp.pixel + patches[slot].anchor();
-  if (crowded(pixel)) return false;
+  if (crowded(pixel, minDistance())) return false;
   // Registered on itself: what sigma the next images are to expect.
   const Registration itself = registration.run(&patches[slot], current, warp);
   if (!gate.accepts(itself) || gate.sigma(itself) > kMaxSigma) return false;
@@ -244,17 +258,24 @@ std::vector<Track> Tracker::detect() {
   if (!impl_->usable || impl_->free_patches.empty()) return started;
   impl_->mask.update();
   impl_->frame.field = impl_->mask.field(impl_->frame.width, impl_->frame.height);
-  const double area = static_cast<double>(impl_->frame.width) * impl_->frame.height;
-  const int cell = std::max(1, static_cast<int>(std::sqrt(area / impl_->options.max_features)));
-  for (const Corner& corner : impl_->harris.detect(impl_->current, kBorder, cell)) {
+  for (const Corner& corner : impl_->harris.detect(impl_->current, kBorder, impl_->cell())) {
     if (impl_->free_patches.empty()) break;
-    if (impl_->crowded({corner.x, corner.y})) continue;
-    if (impl_->mask.touches(corner.x, corner.y, kMaskRadius)) continue;
-    if (!impl_->usable_area.contains(corner.x, corner.y)) continue;
-    if (saturated(impl_->current.level(0), corner.x, corner.y)) continue;
+    if (impl_->crowded({corner.x, corner.y}, impl_->minDistance())) continue;
+    if (!impl_->allowed(corner)) continue;
     if (impl_->begin(corner)) started.push_back(impl_->frame.tracks.back());
   }
   return started;
+}
+
+std::vector<Eigen::Vector2d> Tracker::corners(int count) {
+  if (!impl_->usable) return {};
+  std::vector<Eigen::Vector2d> found;
+  for (const Corner& corner : impl_->harris.detect(impl_->current, kBorder, impl_->cell())) {
+    if (static_cast<int>(found.size()) >= count) break;
+    if (impl_->crowded({corner.x, corner.y}, kSameCorner) || !impl_->allowed(corner)) continue;
+    found.emplace_back(corner.x, corner.y);
+  }
+  return found;
 }
 
 void Tracker::drop(const std::vector<std::int64_t>& ids) {

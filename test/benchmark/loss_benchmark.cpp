@@ -36,7 +36,7 @@ double residentMegabytes() {
 }
 
 // No two features look alike, so that every map stays one of its own: the memory of places fills.
-std::vector<Appearance> looks(const std::vector<Track>& tracks) {
+std::vector<Appearance> looks(const std::vector<Track>& tracks, int) {
   std::vector<Appearance> result;
   for (const Track& track : tracks) {
     Random random(static_cast<std::uint64_t>(track.id));

@@ -25,7 +25,9 @@ struct Pass {
   double noise_px = 0.5;
   double wrong_share = 0.0;  // of the points that look like others
   bool mirrored = false;
+  int first_point = 0;
   int points = 100;
+  bool shows_all = false;  // describes what it does not follow, too
   int keyframes = 8;
   Eigen::Vector3d begin = Eigen::Vector3d::Zero();  // in the scene
 };
@@ -40,8 +42,9 @@ class PassedMap {
     for (int k = 0; k < pass_.keyframes; ++k) {
       const std::vector<Track> tracks = addKeyframe(k);
       const auto relocation = relocalizer->atKeyframe(
-          map_id, map_, kCamera, tracks, true,
-          [&](const std::vector<Track>& list) { return appearances(list); });
+          map_id, map_, kCamera, tracks, true, [&](const std::vector<Track>& list, int corners) {
+            return appearances(list, pass_.shows_all && corners > 0 ? k : -1);
+          });
       if (relocation) {
         result = relocation;
         map_id = relocation->map_id;
@@ -76,7 +79,7 @@ class PassedMap {
     keyframe.id = pass_.first_keyframe + k;
     keyframe.world_from_camera = moved_ * (pass_.map_from_scene * sceneFromCamera(k));
     std::vector<Track> tracks;
-    for (int i = 0; i < pass_.points; ++i) {
+    for (int i = pass_.first_point; i < pass_.first_point + pass_.points; ++i) {
       const auto pixel = pixelOf(i, k);
       if (!pixel) continue;
       const auto first = references_.try_emplace(i, *pixel).first->second;
@@ -95,21 +98,30 @@ class PassedMap {
     return tracks;
   }
 
-  std::vector<Appearance> appearances(const std::vector<Track>& tracks) {
+  // Of the tracks and, for a keyframe k, of all points before the first that is followed.
+  std::vector<Appearance> appearances(const std::vector<Track>& tracks, int k) {
     std::vector<Appearance> result;
     for (const Track& track : tracks) {
-      const auto i = static_cast<std::uint64_t>(track.id - pass_.first_track);
-      Random wrong(mixSeed(static_cast<std::uint64_t>(pass_.first_track) + 99, i));
-      const bool other = wrong.chance(pass_.wrong_share);
-      Random looks(mixSeed(pass_.scene * 31, other ? wrong.integer(0, pass_.points) : i));
-      Appearance appearance{track.id, track.pixel + pass_.noise_px * random_.normal2(), {}};
-      for (std::uint8_t& byte : appearance.descriptor) {
-        byte = static_cast<std::uint8_t>(looks.integer(0, 255));
-        if (random_.chance(0.3)) byte ^= static_cast<std::uint8_t>(1 << random_.integer(0, 7));
-      }
-      result.push_back(appearance);
+      result.push_back(
+          looks(static_cast<int>(track.id - pass_.first_track), track.id, track.pixel));
+    }
+    for (int i = 0; k >= 0 && i < pass_.first_point; ++i) {
+      if (const auto pixel = pixelOf(i, k)) result.push_back(looks(i, kNoTrack, *pixel));
     }
     return result;
+  }
+
+  Appearance looks(int point, std::int64_t track_id, const Eigen::Vector2d& pixel) {
+    const auto i = static_cast<std::uint64_t>(point);
+    Random wrong(mixSeed(static_cast<std::uint64_t>(pass_.first_track) + 99, i));
+    const bool other = wrong.chance(pass_.wrong_share);
+    Random looks(mixSeed(pass_.scene * 31, other ? wrong.integer(0, pass_.points) : i));
+    Appearance appearance{track_id, pixel + pass_.noise_px * random_.normal2(), {}};
+    for (std::uint8_t& byte : appearance.descriptor) {
+      byte = static_cast<std::uint8_t>(looks.integer(0, 255));
+      if (random_.chance(0.3)) byte ^= static_cast<std::uint8_t>(1 << random_.integer(0, 7));
+    }
+    return appearance;
   }
 
   Pass pass_;
@@ -159,6 +171,24 @@ TEST_F(RelocalizerTest, FindsPoseAndScaleInTheOldMap) {
     }
     // From then on all places are of one map.
     for (const Place& place : relocalizer.memory().places()) EXPECT_EQ(place.map_id, 0u);
+  }
+}
+
+// Few of the old tracks are followed again: the corners that are not followed tell the place, and
+// those that are the scale.
+TEST_F(RelocalizerTest, FindsItByCornersThatAreNotFollowed) {
+  Pass pass = laterPass();
+  pass.first_point = 86;
+  Relocalizer without = relocalizer_;
+  EXPECT_FALSE(PassedMap(pass).show(1, &without));
+  pass.shows_all = true;
+  PassedMap later(pass);
+  const auto relocation = later.show(1, &relocalizer_);
+  ASSERT_TRUE(relocation);
+  EXPECT_GT(relocation->seen, 30);
+  EXPECT_NEAR(relocation->old_from_new.scale * someSimilarity().scale, 1.0, 0.01);
+  for (const Place& place : relocalizer_.memory().places()) {
+    for (const PlacePoint& point : place.points) EXPECT_NE(point.track_id, kNoTrack);
   }
 }
 

@@ -93,6 +93,20 @@ TEST(Appearance, WhatRepeatsIsAmbiguous) {
   EXPECT_LT(pairs.size(), once / 4);  // only at the seam it does not repeat
 }
 
+TEST(Appearance, CornersComeAfterTheTracksAndHaveNone) {
+  const cv::Mat image = poster(1);
+  std::vector<Track> tracks = corners(image);
+  const std::vector<Descriptor> all = descriptors(image, tracks);
+  const std::vector<Eigen::Vector2d> others = {tracks.back().pixel, {-5.0, 20.0}};
+  tracks.pop_back();
+  const std::vector<Appearance> looks = describe(viewOf(image), tracks, others);
+  ASSERT_EQ(looks.size(), all.size()) << "but for the one outside";
+  for (std::size_t i = 0; i < all.size(); ++i) EXPECT_EQ(looks[i].descriptor, all[i]);
+  EXPECT_EQ(looks.front().track_id, 0);
+  EXPECT_EQ(looks.back().track_id, kNoTrack);
+  EXPECT_EQ(looks.back().pixel, others[0]);
+}
+
 TEST(Appearance, NeedsAnImage) {
   const cv::Mat image = poster(1);
   const Track outside{7, {-5.0, 20.0}, {-5.0, 20.0}, 0.1};

@@ -164,6 +164,30 @@ TEST(Tracker, DetectionSpreadsOverTheImage) {
   EXPECT_LE(tracker.detect().size(), 48u - tracks.size());
 }
 
+// A place is known again by what could be followed in it, be it followed or not.
+TEST(Tracker, CornersAreWhereTracksWouldStart) {
+  const TestImage image = still(4);
+  Tracker tracker(TrackerOptions{});
+  EXPECT_TRUE(tracker.corners(100).empty()) << "no image yet";
+  tracker.track(image.view(0));
+  EXPECT_EQ(tracker.corners(30).size(), 30u);
+  const std::vector<Eigen::Vector2d> all = tracker.corners(100000);
+  const std::vector<Track> started = tracker.detect();
+  ASSERT_GT(started.size(), 50u);
+  std::vector<double> distances;
+  for (const Track& track : started) {
+    double nearest = 100.0;
+    for (const Eigen::Vector2d& pixel : all) {
+      nearest = std::min(nearest, (pixel - track.pixel).norm());
+    }
+    distances.push_back(nearest);
+  }
+  EXPECT_LT(medianOf(distances), 1.5) << "a track is at the tip of its corner";
+  const std::vector<Eigen::Vector2d> rest = tracker.corners(100000);
+  EXPECT_LE(rest.size() + started.size(), all.size() + 5) << "those with a track are left out";
+  EXPECT_GT(rest.size(), started.size());
+}
+
 TEST(Tracker, FindsNothingWhereNothingIs) {
   Tracker tracker{TrackerOptions()};
   TestImage image{320, 240, std::vector<std::uint8_t>(320 * 240, 90)};

@@ -16,19 +16,24 @@ namespace camera_self_calibration {
 /// the image. Equal corners differ in few bits.
 using Descriptor = std::array<std::uint8_t, 32>;
 
+/// Of a corner that is not followed.
+constexpr std::int64_t kNoTrack = -1;
+
 /// A feature with its descriptor.
 struct Appearance {
-  std::int64_t track_id = 0;
+  std::int64_t track_id = kNoTrack;
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Descriptor descriptor = {};
 };
 
-/// Describes tracks of the newest image.
-using Describe = std::function<std::vector<Appearance>(const std::vector<Track>&)>;
+/// Describes tracks of the newest image and, after them, up to a number of its other corners, which
+/// have no track.
+using Describe = std::function<std::vector<Appearance>(const std::vector<Track>&, int corners)>;
 
-/// Tracks outside the image or in its outermost pixels have no appearance; without an image none
-/// has.
-std::vector<Appearance> describe(const ImageView& image, const std::vector<Track>& tracks);
+/// Of tracks and, after them, of other corners. What lies outside the image or in its outermost
+/// pixels has no appearance; without an image nothing has.
+std::vector<Appearance> describe(const ImageView& image, const std::vector<Track>& tracks,
+                                 const std::vector<Eigen::Vector2d>& corners = {});
 
 /// Number of bits that differ.
 int differingBits(const Descriptor& a, const Descriptor& b);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -36,6 +37,10 @@ class Tracker {
   /// Detects corners in the image tracked last, where no track is near, and starts tracks there.
   /// Returns the new ones (pixel == reference_pixel).
   std::vector<Track> detect();
+
+  /// Up to `count` corners of the image tracked last that are no tracks, spread over the image, to
+  /// know a place by [px]; about where tracks that started there would be.
+  std::vector<Eigen::Vector2d> corners(int count);
 
   /// Ends tracks, such as those that an estimator found to be outliers. Unknown ids are ignored.
   void drop(const std::vector<std::int64_t>& ids);
