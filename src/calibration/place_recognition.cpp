@@ -16,14 +16,14 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr std::size_t kMinSeen = 15;
+constexpr std::size_t kMinAlike = 12;       // of the features matched by their looks alone
 constexpr std::size_t kFewest = 8;          // that a pose is computed from
-constexpr double kMinShare = 0.35;          // of the matches; of a place's points in view
+constexpr double kMinShare = 0.35;          // of the matches
+constexpr double kMinFound = 0.25;          // of what a place showed and is in view
 constexpr double kTolerance = 3.0 / 640.0;  // [image widths] A corner is not found twice at a spot.
 constexpr double kReach = 10.0 / 640.0;     // [image widths] Of a prediction.
 constexpr double kBorder = 24.0 / 640.0;    // [image widths] Where few corners are found.
-// Of a feature and a point that is predicted there: more than where looks alone have to tell.
-constexpr int kMaxBitsNear = 80;
-constexpr double kMaxPoseSigma = 0.05;  // [median depths]
+constexpr double kMaxPoseSigma = 0.05;      // [median depths]
 constexpr int kMaxSamples = 150;
 constexpr double kMissed = 1e-3;  // probability that no sample was free of wrong matches
 constexpr int kSampleSize = 4;
@@ -31,7 +31,7 @@ constexpr double kHuber = 2.0;
 
 // The point of a map that a feature looks most like.
 struct Nearest {
-  int bits = kMaxBitsNear + 1;
+  int bits = kMaxDifferingBits + 1;
   const PlacePoint* point = nullptr;
 };
 
@@ -135,7 +135,7 @@ bool showsAPlace(const RecognizedPlace& recognized, const std::vector<Place>& pl
       ++in_view;
       found += found_ids.count(point.track_id);
     }
-    return found >= kFewest && found >= kMinShare * static_cast<double>(in_view);
+    return found >= kFewest && found >= kMinFound * static_cast<double>(in_view);
   });
 }
 
@@ -177,7 +177,7 @@ std::vector<SeenAgain> matchNear(const std::vector<Place>& places, std::uint64_t
       features.visitNear(pixel->y(), reach, [&](std::size_t i) {
         if ((appearances[i].pixel - *pixel).squaredNorm() > reach * reach) return;
         const int bits = differingBits(appearances[i].descriptor, place.descriptors[p]);
-        int& least = bits_of_point.try_emplace(point.track_id, kMaxBitsNear + 1).first->second;
+        int& least = bits_of_point.try_emplace(point.track_id, kMaxDifferingBits + 1).first->second;
         least = std::min(least, bits);
         if (bits < nearest[i].bits) nearest[i] = {bits, &point};
       });
@@ -194,9 +194,9 @@ std::vector<SeenAgain> matchNear(const std::vector<Place>& places, std::uint64_t
 
 std::optional<Rigid3> poseAtPlace(const Place& place, const std::vector<SeenAgain>& matches,
                                   const Camera& camera) {
-  if (matches.size() < kFewest) return std::nullopt;
+  if (matches.size() < kMinAlike) return std::nullopt;
   const std::vector<SeenAgain> seen = largestAgreement(place, matches, camera);
-  if (seen.size() < std::max<double>(kFewest, kMinShare * matches.size())) return std::nullopt;
+  if (seen.size() < std::max<double>(kMinAlike, kMinShare * matches.size())) return std::nullopt;
   const PoseEstimate pose = poseFrom(seen, turnedTo(place, seen, camera), camera);
   return pose.usable ? std::make_optional(pose.world_from_camera) : std::nullopt;
 }
