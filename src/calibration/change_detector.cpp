@@ -22,6 +22,9 @@ constexpr double kClearlySame = 0.1;
 constexpr double kUnfounded = 0.1;       // p-value above which a suspicion was for nothing
 constexpr int kMinLaterKeyframes = 3;    // after a suspected onset, to decide
 constexpr int kMinEarlierKeyframes = 2;  // before it, for their structure to be of use
+// Keyframes by which a suspicion may come too late and too early.
+constexpr int kSuspectedLate = 1;
+constexpr int kSuspectedEarly = 2;
 constexpr int kFindings = 2;             // keyframes in a row that find the same new lens
 constexpr double kSameLens = 0.5;        // distance between two findings, as a share of the change
 // Statistic per observation that needs no second finding: no wrong minimum is as bad.
@@ -220,9 +223,13 @@ ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Cand
 ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_keyframes,
                                             const Reference& reference) const {
   ChangeVerdict verdict;
+  // A suspicion is not exact, and a single keyframe on the wrong side hides the change.
+  if (earlier_keyframes > 0) {
+    earlier_keyframes = dateLensChange(window, reference, earlier_keyframes - kSuspectedLate,
+                                       earlier_keyframes + kSuspectedEarly);
+  }
   LensChange change = testLensChange(window, earlier_keyframes, reference);
-  // A suspicion may be a frame too early, and a single keyframe on the wrong side hides the change.
-  if (earlier_keyframes > 0 || (change.usable && change.p_value < limit())) {
+  if (change.usable && change.p_value < limit()) {
     const int dated = dateLensChange(window, reference);
     if (dated != earlier_keyframes) change = testLensChange(window, dated, reference);
     earlier_keyframes = dated;

@@ -124,10 +124,11 @@ Segment fittingOneLens(const Segment& segment, const Camera& camera) {
   return result;
 }
 
-int dateLensChange(const Segment& segment, const Reference& reference) {
-  int best = 0;
+int dateLensChange(const Segment& segment, const Reference& reference, int first, int last) {
+  const int newest = static_cast<int>(segment.keyframes.size()) - 1;
+  int best = std::clamp(first, 0, std::max(0, newest));
   double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < static_cast<int>(segment.keyframes.size()); ++k) {
+  for (int k = best; k <= std::min(last, newest); ++k) {
     const double cost = costOfChange(segment, k, reference.camera);
     if (!(cost < least)) continue;
     least = cost;

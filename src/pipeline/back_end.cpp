@@ -65,6 +65,7 @@ BackEndOutput BackEnd::finish(BackEndOutput output) {
     output.update->camera = report_.camera;
     output.update->generation = report_.revision;
     output.update->handed_over = handed_over_;
+    output.update->uncertainty_px = report_.uncertainty.rms;
     output.update->epoch = report_.epoch;
     output.update->row_time_s = row_time_.inUse();
     output.update->onset_ns = epoch_onset_ns_;

@@ -12,6 +12,11 @@ namespace {
 constexpr int kMinTracks = 12;
 // Residual scale, in the tracker's sigmas, of a pose that needs no second guess to start from.
 constexpr double kGoodFit = 2.0;
+// Below this share of the image width [rms] a calibration gains little from one more keyframe: they
+// may stand further apart and leave the processor to others.
+constexpr double kWellKnown = 0.1 / 640.0;
+constexpr double kWideSpacing = 2.0;
+constexpr double kSuspiciousSpacing = 0.5;
 // Frames in a row without a pose after which the map is given up.
 constexpr int kFramesUntilLost = 5;
 
@@ -45,6 +50,7 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t fi
 
 void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;
+  well_known_ = handed_over_ && update.uncertainty_px < kWellKnown * update.camera.width();
   if (update.epoch != epoch_) {
     epoch_ = update.epoch;
     epoch_onset_ns_ = update.onset_ns;
@@ -78,6 +84,7 @@ void FrontEnd::restart(const Camera& camera, std::int64_t first_keyframe) {
   resetMap();
   relocalizer_.clear();
   handed_over_ = false;
+  well_known_ = false;
   keyframes_ = first_keyframe;
   world_from_camera_ = Rigid3();
 }
@@ -115,8 +122,9 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& seen,
   output.result.stamp_ns = frame.stamp_ns;
   locate(frame, &output);
   const bool first = window_.map().keyframes().empty();
-  if (!output.restart_tracking && (first || (frames_without_pose_ == 0 &&
-                                             keyframe_rule_.isKeyframe(frame, window_.camera())))) {
+  const bool due = frames_without_pose_ == 0 &&
+                   keyframe_rule_.isKeyframe(frame, window_.camera(), keyframeSpacing());
+  if (!output.restart_tracking && (first || due)) {
     makeKeyframe(frame, detect(), describe, &output);
   }
   for (Event& event : output.events) event.epoch = epoch_;
@@ -152,6 +160,12 @@ void FrontEnd::locate(const TrackedFrame& frame, FrontEndOutput* output) {
   } else {
     missPose(frame, output);
   }
+}
+
+// Whether the lens has changed is to be settled soon.
+double FrontEnd::keyframeSpacing() const {
+  if (monitor_.suspicious()) return kSuspiciousSpacing;
+  return well_known_ ? kWideSpacing : 1.0;
 }
 
 void FrontEnd::watchLens(const TrackedFrame& frame, const PoseEstimate& pose) {

@@ -106,14 +106,16 @@ Motion measureMotion(const std::vector<Pair>& pairs, const Camera& camera) {
 
 }  // namespace
 
-bool KeyframeRule::isKeyframe(const TrackedFrame& frame, const Camera& camera) const {
+bool KeyframeRule::isKeyframe(const TrackedFrame& frame, const Camera& camera,
+                              double spacing) const {
   if (last_.tracks.empty()) return frame.tracks.size() >= kMinTracks;
   const std::vector<Pair> pairs = commonTracks(last_, frame);
   if (pairs.empty() || frame.width <= 0) return false;
-  const double min_parallax = options_.min_parallax * frame.width;  // [px]
+  const double min_parallax = spacing * options_.min_parallax * frame.width;  // [px]
+  const double min_rotation = spacing * options_.min_rotation_deg * M_PI / 180.0;
   const Motion motion = measureMotion(pairs, camera);
   if (motion.parallax >= min_parallax) return true;
-  if (motion.rotation >= options_.min_rotation_deg * M_PI / 180.0) return true;
+  if (motion.rotation >= min_rotation) return true;
   const double share = static_cast<double>(pairs.size()) / static_cast<double>(last_.tracks.size());
   if (share < std::min(kNearlyAllLost, options_.min_tracked_share)) return true;
   return share < options_.min_tracked_share && medianFlow(pairs) >= kMovedShare * min_parallax;

@@ -49,6 +49,15 @@ TEST(LensChange, IsFoundAndMeasuredFromThreeKeyframes) {
   }
 }
 
+TEST(LensChange, IsDatedAmongThePossibleKeyframes) {
+  const Camera lens = ordinaryCameras()[1];
+  const Segment window = windowWithChange(lens, zoomed(lens, 1.08), 7, 4);
+  EXPECT_EQ(dateLensChange(window, known(lens), 6, 9), 7);
+  EXPECT_EQ(dateLensChange(window, known(lens), 8, 9), 8);
+  EXPECT_EQ(dateLensChange(window, known(lens), 2, 5), 5);
+  EXPECT_EQ(dateLensChange(window, known(lens), 100, 100), 9);
+}
+
 TEST(LensChange, OfTheWholeWindowIsDatedToItsBeginning) {
   const Camera lens = ordinaryCameras()[1];
   const Segment window = windowWithChange(lens, zoomed(lens, 0.95), 0, 4);

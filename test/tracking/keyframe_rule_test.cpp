@@ -110,6 +110,24 @@ TEST(KeyframeRule, RotationAlone) {
   }
 }
 
+TEST(KeyframeRule, SpacingMultipliesRotationAndParallax) {
+  Scene scene;
+  KeyframeRule rule{KeyframeOptions()};
+  rule.setKeyframe(scene.see(kZero, kZero));
+  const Eigen::Vector3d turn(0.0, 7.0 * M_PI / 180.0, 0.0);
+  EXPECT_TRUE(rule.isKeyframe(scene.see(turn, kZero), scene.camera()));
+  EXPECT_FALSE(rule.isKeyframe(scene.see(turn, kZero), scene.camera(), 2.0));
+  EXPECT_TRUE(rule.isKeyframe(scene.see(2.0 * turn, kZero), scene.camera(), 2.0));
+  // The distance at which the rule just fires is half as long at half the spacing.
+  const auto reach = [&](double spacing) {
+    double x = 0.0;
+    while (!rule.isKeyframe(scene.see(kZero, {x, 0.0, 0.0}), scene.camera(), spacing)) x += 1e-3;
+    return x;
+  };
+  EXPECT_NEAR(reach(0.5) / reach(1.0), 0.5, 0.1);
+  EXPECT_NEAR(reach(2.0) / reach(1.0), 2.0, 0.2);
+}
+
 TEST(KeyframeRule, RotationIsNoParallax) {
   Scene scene;
   KeyframeOptions options;

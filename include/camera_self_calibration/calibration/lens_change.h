@@ -1,5 +1,7 @@
 #pragma once
 
+#include <limits>
+
 #include "camera_self_calibration/calibration/agreement.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/map/segment.h"
@@ -34,7 +36,9 @@ LensChange testLensChange(const Segment& segment, int earlier_keyframes,
 Segment fittingOneLens(const Segment& segment, const Camera& camera);
 
 /// The most likely time of a change within the stretch: how many of its keyframes came before it
-/// (0: the whole stretch shows another lens than the reference), each tried and the costs compared.
-int dateLensChange(const Segment& segment, const Reference& reference);
+/// (0: the whole stretch shows another lens than the reference). Each number from `first` to `last`
+/// that leaves a keyframe for the new lens is tried, and the costs compared.
+int dateLensChange(const Segment& segment, const Reference& reference, int first = 0,
+                   int last = std::numeric_limits<int>::max());
 
 }  // namespace camera_self_calibration

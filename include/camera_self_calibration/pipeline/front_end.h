@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -33,6 +34,7 @@ struct CalibrationUpdate {
   std::uint64_t generation = 0;
   std::uint64_t beginning = 0;  ///< Beginning::number of what it was learnt from.
   bool handed_over = false;
+  double uncertainty_px = std::numeric_limits<double>::infinity();  ///< Of the camera, rms.
   /// Startup: poses and depths solved together with the intrinsics.
   std::optional<Segment> solution;
   std::uint64_t epoch = 0;
@@ -96,6 +98,7 @@ class FrontEnd {
   void makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected,
                     const Describe& describe, FrontEndOutput* output);
   void seekOlderMap(const TrackedFrame& whole, const Describe& describe, FrontEndOutput* output);
+  double keyframeSpacing() const;
   void watchLens(const TrackedFrame& frame, const PoseEstimate& pose);
   KeyframeMessage keyframeMessage() const;
   TrackedFrame withMotion(const TrackedFrame& frame);
@@ -109,6 +112,7 @@ class FrontEnd {
   InnovationMonitor monitor_;
   MotionHistory motions_;
   bool handed_over_ = false;
+  bool well_known_ = false;  // the lens
   std::uint64_t epoch_ = 0;
   std::int64_t epoch_onset_ns_ = 0;
   std::int64_t keyframes_ = 0;

@@ -24,8 +24,9 @@ class KeyframeRule {
  public:
   explicit KeyframeRule(const KeyframeOptions& options) : options_(options) {}
 
-  /// `camera` serves to remove the rotation; it may be a rough guess.
-  bool isKeyframe(const TrackedFrame& frame, const Camera& camera) const;
+  /// `camera` serves to remove the rotation; it may be a rough guess. `spacing` multiplies
+  /// min_parallax and min_rotation_deg.
+  bool isKeyframe(const TrackedFrame& frame, const Camera& camera, double spacing = 1.0) const;
 
   /// The frame that later ones are compared with (with the tracks detected in it).
   void setKeyframe(const TrackedFrame& frame) { last_ = frame; }
