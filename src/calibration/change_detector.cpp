@@ -25,8 +25,8 @@ constexpr int kMinEarlierKeyframes = 2;  // before it, for their structure to be
 // Keyframes by which a suspicion may come too late and too early.
 constexpr int kSuspectedLate = 1;
 constexpr int kSuspectedEarly = 2;
-constexpr int kFindings = 2;             // keyframes in a row that find the same new lens
-constexpr double kSameLens = 0.5;        // distance between two findings, as a share of the change
+constexpr int kFindings = 2;       // keyframes in a row that find the same new lens
+constexpr double kSameLens = 0.5;  // distance between two findings, as a share of the change
 // Statistic per observation that needs no second finding: no wrong minimum is as bad.
 constexpr double kBlatant = 1.0;
 constexpr std::size_t kStretches = 16;
@@ -51,14 +51,6 @@ double usualResidualScale(const QueueEstimate& queue) {
   std::vector<double> scales;
   for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.residual_scale);
   return std::max(1.0, median(std::move(scales), 1.0));
-}
-
-// At the candidate's own optimum, where its gradient vanishes.
-Evidence ownEvidence(const Candidate& candidate) {
-  const int count = candidate.camera.estimatedCount();
-  return {candidate.segment.beginNs(), candidate.segment.endNs(),
-          candidate.camera.parameters().head(count), Intrinsics::Zero(count),
-          candidate.information};
 }
 
 // What a candidate that contradicts says without the tracks that may feign it.
@@ -262,6 +254,20 @@ void ChangeDetector::remember(const Candidate& candidate, const Evidence& eviden
   if (!isNewStretch(candidate.segment.beginNs())) return;
   recent_.push_back({candidate, evidence});
   if (recent_.size() > kStretches) recent_.pop_front();
+}
+
+std::vector<Evidence> ChangeDetector::stretchesBeside(const QueueEstimate& queue) const {
+  std::vector<Evidence> beside;
+  for (const Stretch& stretch : recent_) {
+    const Evidence& evidence = stretch.evidence;
+    const auto shares = [&](const Candidate& candidate) {
+      return candidate.segment.beginNs() <= evidence.end_ns &&
+             candidate.segment.endNs() >= evidence.begin_ns;
+    };
+    const auto& candidates = queue.candidates();
+    if (std::none_of(candidates.begin(), candidates.end(), shares)) beside.push_back(evidence);
+  }
+  return beside;
 }
 
 ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,

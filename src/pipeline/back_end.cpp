@@ -1,5 +1,6 @@
 #include "camera_self_calibration/pipeline/back_end.h"
 
+#include <cstdio>
 #include <limits>
 
 #include "camera_self_calibration/estimation/entropy.h"
@@ -13,6 +14,13 @@ StartupOptions startupOptions(const Options& options) {
   StartupOptions startup;
   startup.max_keyframes = options.startup_keyframes;
   return startup;
+}
+
+std::string drifting(const LensDrift& drift) {
+  char buffer[100];
+  std::snprintf(buffer, sizeof(buffer), "; the focal length drifts by some %.2g %% a minute",
+                100.0 * drift.rate);
+  return buffer;
 }
 
 }  // namespace
@@ -49,6 +57,7 @@ BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
   } else {
     report_.queue.last_decision = "not considered: all keyframes together tell nothing yet";
   }
+  if (handed_over_) considerDrift();
   if (!handed_over_) recallSetting(&output.events);
   considerRowTime();
   if (!handed_over_) considerHandover(report_.stamp_ns, &output.events);
@@ -215,8 +224,9 @@ void BackEnd::solveQueue() {
 }
 
 void BackEnd::adoptSolution() {
-  report_.camera = solution_.camera;
-  report_.covariance = solution_.covariance;
+  solution_.drift = presentDrift();
+  report_.camera = solution_.present();
+  report_.covariance = solution_.presentCovariance();
   report_.uncertainty = pixelUncertainty(report_.camera, report_.covariance, field_);
   report_.entropy = entropy(report_.camera, report_.covariance);
   changed_ = true;
@@ -240,6 +250,7 @@ void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   report_.sentence = verdict.sentence;
   const std::string choice = model_choice_.sentence();
   if (!choice.empty()) report_.sentence += "; " + choice;
+  if (handed_over_ && solution_.drift.significant) report_.sentence += drifting(solution_.drift);
   report_.hint = verdict.hint;
   if (verdict.state == CalibrationState::kConverged && !was_converged) {
     events->push_back({EventType::kConverged, stamp_ns, stamp_ns, verdict.sentence});

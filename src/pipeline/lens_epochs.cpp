@@ -130,6 +130,19 @@ void BackEnd::followDrift(const ChangeVerdict& verdict) {
                                 " segments that describe its past were retired";
 }
 
+LensDrift BackEnd::presentDrift() const {
+  std::vector<Evidence> queue;
+  for (const Candidate& candidate : estimate_.candidates()) queue.push_back(ownEvidence(candidate));
+  return estimateDrift(queue, detector_.stretchesBeside(estimate_), solution_.camera,
+                       report_.stamp_ns);
+}
+
+// A drifting lens is another one at each keyframe, whether the queue changes or not.
+void BackEnd::considerDrift() {
+  if (changed_ || !solution_.usable) return;
+  if (solution_.drift.significant || presentDrift().significant) adoptSolution();
+}
+
 void BackEnd::recallSetting(std::vector<Event>* events) {
   if (!startup_.usable() || !(startupUncertainty().rms < convergedRms())) return;
   const std::optional<Setting> setting =

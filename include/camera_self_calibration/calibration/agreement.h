@@ -25,6 +25,9 @@ struct Evidence {
   }
 };
 
+/// What a solved candidate says, at its own optimum, where the gradient vanishes.
+Evidence ownEvidence(const Candidate& candidate);
+
 /// Solves poses and landmarks of a copy of the segment with the intrinsics held, sigmas multiplied
 /// by `sigma_scale`, and linearises there. Nothing if there is no solution.
 std::optional<Evidence> evidenceAt(const Camera& camera, const Segment& segment,
@@ -45,7 +48,8 @@ struct Reference {
 };
 
 /// The queue's estimate without the segments that share a moment with [begin, end], by subtracting
-/// what they said at the joint optimum. Nothing if the rest does not determine the intrinsics.
+/// what they said at the joint optimum; of a lens that drifts, the present one. Nothing if the rest
+/// does not determine the intrinsics.
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
                                           const QueueEstimate& queue,
                                           const QueueSolution& solution);

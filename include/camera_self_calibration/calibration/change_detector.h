@@ -67,6 +67,9 @@ class ChangeDetector {
   ChangeVerdict examineUnfinished(const Segment& window, const Candidate& candidate,
                                   const Reference& reference);
 
+  /// The newest disjoint stretches, as far as they share no moment with the queue's segments.
+  std::vector<Evidence> stretchesBeside(const QueueEstimate& queue) const;
+
   /// Forgets what was seen, at the beginning of an epoch.
   void reset() {
     recent_.clear();

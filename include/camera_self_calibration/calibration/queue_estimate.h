@@ -10,6 +10,15 @@
 
 namespace camera_self_calibration {
 
+/// How a lens moves slowly, as one does that warms up (estimateDrift).
+struct LensDrift {
+  bool significant = false;  ///< Else there is nothing in what follows.
+  /// Standard deviation of the focal length's relative change over one minute.
+  double rate = 0.0;
+  Intrinsics offset;            ///< Of the lens now from the joint estimate, n_c.
+  IntrinsicsMatrix covariance;  ///< Of the lens now, n_c x n_c.
+};
+
 /// The joint estimate of the intrinsics over all segments of the queue.
 struct QueueSolution {
   bool usable = false;  ///< Valid intrinsics with a covariance.
@@ -25,6 +34,11 @@ struct QueueSolution {
   /// errors that last longer than a segment's residuals can show.
   double inflation = 1.0;
   int iterations = 0;
+  LensDrift drift;  ///< What all of the above, where the lens is constant, leaves out.
+
+  /// The lens now, and its covariance: the above, where nothing drifts.
+  Camera present() const;
+  IntrinsicsMatrix presentCovariance() const;
 
   /// The row time is one of the unknowns: makes the covariance larger by what is left open where
   /// it is `doubt_s` off.

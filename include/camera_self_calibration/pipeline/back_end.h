@@ -11,6 +11,7 @@
 #include "camera_self_calibration/calibration/candidate_window.h"
 #include "camera_self_calibration/calibration/change_detector.h"
 #include "camera_self_calibration/calibration/health.h"
+#include "camera_self_calibration/calibration/lens_drift.h"
 #include "camera_self_calibration/calibration/model_choice.h"
 #include "camera_self_calibration/calibration/queue_estimate.h"
 #include "camera_self_calibration/calibration/segment_queue.h"
@@ -86,6 +87,8 @@ class BackEnd {
   bool foregone(const KeyframeMessage& message);
   void changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events);
   void followDrift(const ChangeVerdict& verdict);
+  LensDrift presentDrift() const;
+  void considerDrift();
   void recallSetting(std::vector<Event>* events);
   void rememberStartup();
   std::optional<Reference> startupBefore(std::int64_t stamp_ns) const;
