@@ -1,10 +1,10 @@
 #include "camera_self_calibration/pipeline/back_end.h"
 
-#include <cstdio>
 #include <limits>
 
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
@@ -17,10 +17,7 @@ StartupOptions startupOptions(const Options& options) {
 }
 
 std::string drifting(const LensDrift& drift) {
-  char buffer[100];
-  std::snprintf(buffer, sizeof(buffer), "; the focal length drifts by some %.2g %% a minute",
-                100.0 * drift.rate);
-  return buffer;
+  return formatted("; the focal length drifts by some %.2g %% a minute", 100.0 * drift.rate);
 }
 
 }  // namespace

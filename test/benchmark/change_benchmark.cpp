@@ -16,6 +16,7 @@
 #include "benchmark/many_changes.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 
 namespace camera_self_calibration {
@@ -35,6 +36,8 @@ struct Outcome {
   CalibrationReport report;
   Camera truth;
   double worst_distance_px = 0.0;  // of the estimate while CONVERGED, from the truth then
+  int checks = 0;                  // of it after the change, once a second,
+  int outside = 0;                 // and how many were off by more than three stated sigmas
   bool converged_at_change = false;
   std::vector<double> p_values;  // of each keyframe's test
 };
@@ -66,8 +69,11 @@ Outcome runScenario(const Scenario& scenario, const Camera& camera, const LensOv
     if (time < change_s) outcome.converged_at_change = converged;
     outcome.truth = tracks.cameraAt(frame.stamp_ns);
     if (i % 10 == 0 && converged) {
-      const double distance = pixelDistance(outcome.truth, calibrator.calibration().camera).rms;
+      const CalibrationReport report = calibrator.calibration();
+      const double distance = pixelDistance(outcome.truth, report.camera).rms;
       outcome.worst_distance_px = std::max(outcome.worst_distance_px, distance);
+      outcome.checks += time >= change_s;
+      outcome.outside += time >= change_s && distance > 3.0 * report.uncertainty.rms;
     }
   }
   outcome.report = calibrator.calibration();
@@ -107,21 +113,30 @@ std::vector<Kind> kinds() {
           {"drift 1 % in 60 s", scaleFocal, 0.01, 60.0, 60.0}};
 }
 
-void printRow(const Kind& kind, CameraModel model, int trials, const std::vector<double>& delays,
-              int in_time, int early, const std::vector<double>& errors, double worst) {
-  std::vector<double> sorted = delays;
-  std::sort(sorted.begin(), sorted.end());
-  std::vector<double> error = errors;
-  std::sort(error.begin(), error.end());
+// Of the trials that were CONVERGED when the change came.
+struct Row {
+  int trials = 0;
+  int in_time = 0;
+  int early = 0;  // alarms before the change
+  int checks = 0, outside = 0;
+  double worst = 0.0;
+  std::vector<double> delays, errors;
+};
+
+void printRow(const Kind& kind, CameraModel model, const Row& row) {
   std::printf("%-18s %-12s %3d trials: noticed %3zu, within %2.0f s %3d, before the change %d; ",
-              kind.name, toString(model).c_str(), trials, delays.size(), kind.limit_s, in_time,
-              early);
-  if (!sorted.empty()) {
-    std::printf("delay median %.2f s, worst %.2f s; ", sorted[sorted.size() / 2], sorted.back());
+              kind.name, toString(model).c_str(), row.trials, row.delays.size(), kind.limit_s,
+              row.in_time, row.early);
+  if (!row.delays.empty()) {
+    const double worst = *std::max_element(row.delays.begin(), row.delays.end());
+    std::printf("delay median %.2f s, worst %.2f s; ", median(row.delays, 0.0), worst);
   }
-  if (!error.empty()) {
-    std::printf("error at the end median %.2f px, worst %.2f px, while CONVERGED %.2f px",
-                error[error.size() / 2], error.back(), worst);
+  if (!row.errors.empty()) {
+    const double worst = *std::max_element(row.errors.begin(), row.errors.end());
+    std::printf(
+        "error at the end median %.2f px, worst %.2f px, while CONVERGED %.2f px, "
+        "%.0f %% of that time above 3 sigma",
+        median(row.errors, 0.0), worst, row.worst, 100.0 * row.outside / std::max(1, row.checks));
   }
   std::printf("\n");
   std::fflush(stdout);
@@ -129,9 +144,7 @@ void printRow(const Kind& kind, CameraModel model, int trials, const std::vector
 
 void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_t first_seed) {
   constexpr double kChangeS = 30.0;
-  std::vector<double> delays, errors;
-  int in_time = 0, early = 0, ready = 0;
-  double worst = 0.0;
+  Row row;
   for (int i = 0; i < trials; ++i) {
     Scenario scenario;
     scenario.model = model;
@@ -145,19 +158,21 @@ void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_
     };
     const Outcome outcome = runScenario(scenario, camera, lens, kChangeS);
     if (!outcome.converged_at_change) continue;
-    ++ready;
-    errors.push_back(pixelDistance(outcome.truth, outcome.report.camera).rms);
-    worst = std::max(worst, outcome.worst_distance_px);
+    ++row.trials;
+    row.errors.push_back(pixelDistance(outcome.truth, outcome.report.camera).rms);
+    row.worst = std::max(row.worst, outcome.worst_distance_px);
+    row.checks += outcome.checks;
+    row.outside += outcome.outside;
     for (const Event& event : outcome.changes) {
       const double delay = 1e-9 * static_cast<double>(event.stamp_ns - kStartNs) - kChangeS;
-      early += delay < 0.0;
+      row.early += delay < 0.0;
       if (delay < 0.0) continue;
-      delays.push_back(delay);
-      in_time += delay <= kind.limit_s;
+      row.delays.push_back(delay);
+      row.in_time += delay <= kind.limit_s;
       break;
     }
   }
-  printRow(kind, model, ready, delays, in_time, early, errors, worst);
+  printRow(kind, model, row);
 }
 
 int benchmarkDelays(int trials, std::uint64_t first_seed) {
