@@ -118,9 +118,13 @@ LensDrift estimateDrift(const std::vector<Evidence>& queue, const std::vector<Ev
   if (!(still.misfit - best.misfit > kSignificant)) return LensDrift();
   const Fit joint = fitWalk(courseOf(queue, camera, now_ns), 0.0);
   if (joint.now.size() != best.now.size()) return LensDrift();
-  drift.significant = true;
   drift.offset = best.now - joint.now;
   drift.covariance = best.covariance;
+  Intrinsics parameters = camera.parameters();
+  parameters.head(drift.offset.size()) += drift.offset;
+  Camera now = camera;
+  now.setParameters(parameters);
+  drift.significant = now.valid();
   return drift;
 }
 

@@ -12,7 +12,7 @@ namespace camera_self_calibration {
 
 /// How a lens moves slowly, as one does that warms up (estimateDrift).
 struct LensDrift {
-  bool significant = false;  ///< Else there is nothing in what follows.
+  bool significant = false;  ///< Else what follows is of no use.
   /// Standard deviation of the focal length's relative change over one minute.
   double rate = 0.0;
   Intrinsics offset;            ///< Of the lens now from the joint estimate, n_c.
