@@ -50,15 +50,6 @@ Evidence pooled(const std::vector<Evidence>& evidence, const Reference& referenc
   return sum;
 }
 
-// A lens that drifts is compared with what it has become. What the stretch itself said of that is
-// not taken out: it is told from all others by its time.
-std::optional<Reference> presentReference(const QueueSolution& solution) {
-  const auto information = covarianceFromInformation(solution.drift.covariance);
-  const Camera camera = solution.present();
-  if (!information || !camera.valid()) return std::nullopt;
-  return Reference{camera, *information, 1.0, 0};
-}
-
 // Continued fraction of the incomplete beta function (Lentz).
 double betaFraction(double a, double b, double x) {
   constexpr double kTiny = 1e-300;
@@ -136,7 +127,6 @@ std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t en
                                           const QueueEstimate& queue,
                                           const QueueSolution& solution) {
   if (!solution.usable) return std::nullopt;
-  if (solution.drift.significant) return presentReference(solution);
   Reference reference{solution.camera, solution.information, solution.inflation, 0};
   const int count = solution.camera.estimatedCount();
   const double weight = 1.0 / (solution.inflation * solution.inflation);

@@ -34,6 +34,8 @@ constexpr std::size_t kPools[] = {2, 4, 8};
 constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a drift made stale
 // Residual scale, over that of the queue's segments, of data that fit no lens.
 constexpr double kMaxMisfit = 2.0;
+// The same of data that are as good as the queue's.
+constexpr double kUsualMisfit = 1.3;
 
 std::string withP(const char* text, double p_value) {
   return formatted("%s (p = %.1e)", text, p_value);
@@ -265,7 +267,11 @@ std::vector<Evidence> ChangeDetector::stretchesBeside(const QueueEstimate& queue
              candidate.segment.endNs() >= evidence.begin_ns;
     };
     const auto& candidates = queue.candidates();
-    if (std::none_of(candidates.begin(), candidates.end(), shares)) beside.push_back(evidence);
+    const bool fits = stretch.candidate.well_posed &&
+                      stretch.candidate.residual_scale < kUsualMisfit * usual_residual_scale_;
+    if (fits && std::none_of(candidates.begin(), candidates.end(), shares)) {
+      beside.push_back(evidence);
+    }
   }
   return beside;
 }
@@ -283,7 +289,7 @@ ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
         referenceWithout(pool.front().begin_ns, pool.back().end_ns, queue, solution);
     if (!reference) break;
     const double p_value = agreement(pool, *reference).p_value;
-    if (p_value < limit()) return explain(*reference, p_value, queue);
+    if (p_value < limit()) return explain(*reference, p_value, queue, solution.drift.significant);
     if (p_value < kDoubt && doubt.kind == Kind::kSame) {
       doubt.kind = Kind::kDoubt;
       doubt.p_value = p_value;
@@ -294,23 +300,22 @@ ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
 }
 
 ChangeVerdict ChangeDetector::explain(const Reference& reference, double p_value,
-                                      const QueueEstimate& queue) const {
+                                      const QueueEstimate& queue, bool drifting) const {
   std::vector<Evidence> stretches;
   for (const Stretch& stretch : recent_) stretches.push_back(stretch.evidence);
   const ChangeCourse course = courseOfChange(stretches, reference);
   ChangeVerdict verdict;
   verdict.p_value = p_value;
-  verdict.reason = withP(course.gradual ? "the lens drifts slowly" : "the lens changed", p_value);
-  verdict.kind = !course.camera.valid() ? Kind::kDoubt
-                 : course.gradual       ? Kind::kDrift
-                                        : Kind::kChange;
+  const bool gradual = course.gradual || drifting;
+  verdict.reason = withP(gradual ? "the lens drifts slowly" : "the lens changed", p_value);
+  verdict.kind = !course.camera.valid() ? Kind::kDoubt : gradual ? Kind::kDrift : Kind::kChange;
   verdict.onset_ns = stretches[course.first].begin_ns;
   verdict.camera = course.camera;
   verdict.information = course.information;
   verdict.segment = recent_.back().candidate.segment;
   const std::size_t newest = recent_.size() - std::min(kFollowed, recent_.size());
-  for (std::size_t i = course.gradual ? std::max(newest, course.first) : course.first;
-       i < recent_.size(); ++i) {
+  for (std::size_t i = gradual ? std::max(newest, course.first) : course.first; i < recent_.size();
+       ++i) {
     if (recent_[i].candidate.well_posed) verdict.recent.push_back(recent_[i].candidate);
   }
   if (verdict.kind == Kind::kDrift) verdict.stale = staleSegments(course, queue);

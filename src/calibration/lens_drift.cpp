@@ -13,9 +13,10 @@ namespace {
 
 constexpr std::size_t kMinStretches = 4;
 // Standard deviations of the relative change over one minute: more is no drift.
-constexpr double kRates[] = {0.0, 3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 1e-2, 2e-2};
+constexpr double kRates[] = {3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 1e-2};
 // Twice the logarithm of the likelihood ratio: by chance in one of fifty queues.
 constexpr double kSignificant = 4.0;
+constexpr double kSignificantWithout = 2.0;  // any one of the stretches
 
 double minutesAgo(const Evidence& stretch, std::int64_t now_ns) {
   const double middle = 0.5 * (static_cast<double>(stretch.begin_ns - now_ns) +
@@ -23,36 +24,28 @@ double minutesAgo(const Evidence& stretch, std::int64_t now_ns) {
   return std::max(0.0, -middle / 60e9);
 }
 
-// What the stretches say, newest first, and the walk that leads back to each of them.
-struct Course {
-  std::vector<Evidence> stretches;
-  std::vector<double> minutes;  // ago
-  Intrinsics point;
-  Intrinsics direction;  // of the intrinsics per relative change of the focal length
-  double square = 0.0;   // sum of d^T I d, d the stretch's own estimate from `point`
-
-  int count() const { return static_cast<int>(point.size()); }
-  int size() const { return static_cast<int>(stretches.size()); }
-  int freedom() const { return (size() - 1) * count(); }
+// What a stretch says, from the queue's estimate.
+struct Saying {
+  double minutes = 0.0;  // ago
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd information;
+  double square = 0.0;  // d^T I d, d its own estimate
 };
 
-Course courseOf(std::vector<Evidence> stretches, const Camera& camera, std::int64_t now_ns) {
-  Course course;
-  course.point = camera.parameters().head(camera.estimatedCount());
-  course.direction = Intrinsics::Zero(course.count());
-  course.direction.head<2>() = course.point.head<2>();
-  std::sort(stretches.begin(), stretches.end(), [&](const Evidence& a, const Evidence& b) {
-    return minutesAgo(a, now_ns) < minutesAgo(b, now_ns);
-  });
-  for (Evidence& stretch : stretches) {
-    if (stretch.point.size() != course.count()) continue;
-    const Eigen::VectorXd gradient = stretch.gradientAt(course.point);
-    const Eigen::MatrixXd information = stretch.information;
-    course.square += gradient.dot(information.completeOrthogonalDecomposition().solve(gradient));
-    course.minutes.push_back(minutesAgo(stretch, now_ns));
-    course.stretches.push_back(std::move(stretch));
+// Newest first.
+std::vector<Saying> sayingsOf(const std::vector<Evidence>& stretches, const Intrinsics& point,
+                              std::int64_t now_ns) {
+  std::vector<Saying> sayings;
+  for (const Evidence& stretch : stretches) {
+    if (stretch.point.size() != point.size()) continue;
+    Saying saying{minutesAgo(stretch, now_ns), stretch.gradientAt(point), stretch.information};
+    saying.square = saying.gradient.dot(
+        saying.information.completeOrthogonalDecomposition().solve(saying.gradient));
+    sayings.push_back(std::move(saying));
   }
-  return course;
+  std::sort(sayings.begin(), sayings.end(),
+            [](const Saying& a, const Saying& b) { return a.minutes < b.minutes; });
+  return sayings;
 }
 
 struct Fit {
@@ -62,22 +55,30 @@ struct Fit {
 };
 
 // Unknowns: the intrinsics now, then the walk's independent steps back to each stretch, each of
-// variance 1.
-Fit fitWalk(const Course& course, double rate) {
-  const int c = course.count();
-  const int n = course.size();
+// variance 1; `direction` is the change of the intrinsics per relative change of the focal length.
+Fit fitWalk(const std::vector<Saying>& sayings, const Intrinsics& direction, double rate) {
+  const auto c = direction.size();
+  const auto n = static_cast<Eigen::Index>(sayings.size());
+  const auto freedom = static_cast<double>((n - 1) * c);
   Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(c + n, c + n);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(c + n);
   hessian.diagonal().tail(n).setOnes();
-  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(c, c + n);
-  jacobian.leftCols(c).setIdentity();
-  for (int i = 0; i < n; ++i) {
-    const double step = course.minutes[i] - (i > 0 ? course.minutes[i - 1] : 0.0);
-    jacobian.col(c + i) = rate * std::sqrt(step) * course.direction;
-    const Evidence& stretch = course.stretches[i];
-    hessian += jacobian.transpose() * stretch.information * jacobian;
-    gradient += jacobian.transpose() * stretch.gradientAt(course.point);
+  Eigen::VectorXd steps = Eigen::VectorXd::Zero(n);  // lengths; those to the stretch
+  double square = 0.0;
+  double minutes = 0.0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Saying& saying = sayings[static_cast<std::size_t>(i)];
+    steps(i) = rate * std::sqrt(saying.minutes - minutes);
+    minutes = saying.minutes;
+    const Eigen::VectorXd along = saying.information * direction;
+    hessian.topLeftCorner(c, c) += saying.information;
+    hessian.bottomLeftCorner(n, c) += steps * along.transpose();
+    hessian.bottomRightCorner(n, n) += direction.dot(along) * steps * steps.transpose();
+    gradient.head(c) += saying.gradient;
+    gradient.tail(n) += direction.dot(saying.gradient) * steps;
+    square += saying.square;
   }
+  hessian.topRightCorner(c, n) = hessian.bottomLeftCorner(n, c).transpose();
   const Eigen::VectorXd scale = hessian.diagonal().unaryExpr(&inverseRoot);
   const Eigen::LLT<Eigen::MatrixXd> factor(scale.asDiagonal() * hessian * scale.asDiagonal());
   Fit fit;
@@ -88,13 +89,28 @@ Fit fitWalk(const Course& course, double rate) {
   const Eigen::MatrixXd inverse =
       scale.asDiagonal() * factor.solve(Eigen::MatrixXd(scale.asDiagonal()));
   const Eigen::VectorXd best = inverse * gradient;
-  const double square = std::max(0.0, course.square - gradient.dot(best));
+  const double left = std::max(0.0, square - gradient.dot(best));
   // The factor of all variances that is likeliest, as stretches may disagree in everything.
-  const double variance = std::max(1.0, square / course.freedom());
-  fit.misfit = course.freedom() * std::log(variance) + log_determinant + square / variance;
+  const double variance = std::max(1.0, left / freedom);
+  fit.misfit = freedom * std::log(variance) + log_determinant + left / variance;
   fit.now = best.head(c);
   fit.covariance = variance * inverse.topLeftCorner(c, c);
   return fit;
+}
+
+// By how much a walk of this rate is the better explanation.
+double evidenceFor(const std::vector<Saying>& sayings, const Intrinsics& direction, double rate) {
+  return fitWalk(sayings, direction, 0.0).misfit - fitWalk(sayings, direction, rate).misfit;
+}
+
+// No single stretch may decide: one that shows something that moves is not the lens's.
+bool holdsWithoutAny(const std::vector<Saying>& sayings, const Intrinsics& direction, double rate) {
+  for (std::size_t i = 0; i < sayings.size(); ++i) {
+    std::vector<Saying> others = sayings;
+    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    if (!(evidenceFor(others, direction, rate) > kSignificantWithout)) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -103,22 +119,29 @@ LensDrift estimateDrift(const std::vector<Evidence>& queue, const std::vector<Ev
                         const Camera& camera, std::int64_t now_ns) {
   LensDrift drift;
   if (queue.size() + others.size() < kMinStretches || queue.size() < 2) return drift;
+  const Intrinsics point = camera.parameters().head(camera.estimatedCount());
+  Intrinsics direction = Intrinsics::Zero(point.size());
+  direction.head<2>() = point.head<2>();
+  const std::vector<Saying> joint = sayingsOf(queue, point, now_ns);
   std::vector<Evidence> all = queue;
   all.insert(all.end(), others.begin(), others.end());
-  const Course course = courseOf(std::move(all), camera, now_ns);
-  if (course.freedom() <= 0) return drift;
-  const Fit still = fitWalk(course, 0.0);
+  const std::vector<Saying> sayings = sayingsOf(all, point, now_ns);
+  if (joint.empty() || sayings.size() < kMinStretches) return drift;
+  const Fit still = fitWalk(sayings, direction, 0.0);
   Fit best = still;
   for (const double rate : kRates) {
-    const Fit fit = fitWalk(course, rate);
+    const Fit fit = fitWalk(sayings, direction, rate);
     if (!(fit.misfit < best.misfit)) continue;
     best = fit;
     drift.rate = rate;
   }
-  if (!(still.misfit - best.misfit > kSignificant)) return LensDrift();
-  const Fit joint = fitWalk(courseOf(queue, camera, now_ns), 0.0);
-  if (joint.now.size() != best.now.size()) return LensDrift();
-  drift.offset = best.now - joint.now;
+  if (!(still.misfit - best.misfit > kSignificant) ||
+      !holdsWithoutAny(sayings, direction, drift.rate)) {
+    return LensDrift();
+  }
+  const Fit constant = fitWalk(joint, direction, 0.0);
+  if (constant.now.size() != best.now.size()) return LensDrift();
+  drift.offset = best.now - constant.now;
   drift.covariance = best.covariance;
   Intrinsics parameters = camera.parameters();
   parameters.head(drift.offset.size()) += drift.offset;

@@ -67,7 +67,8 @@ class ChangeDetector {
   ChangeVerdict examineUnfinished(const Segment& window, const Candidate& candidate,
                                   const Reference& reference);
 
-  /// The newest disjoint stretches, as far as they share no moment with the queue's segments.
+  /// The newest disjoint stretches that fit a lens as well as the queue's segments and share no
+  /// moment with them.
   std::vector<Evidence> stretchesBeside(const QueueEstimate& queue) const;
 
   /// Forgets what was seen, at the beginning of an epoch.
@@ -101,8 +102,8 @@ class ChangeDetector {
   bool isNewStretch(std::int64_t begin_ns) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const Evidence& evidence);
   ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;
-  ChangeVerdict explain(const Reference& reference, double p_value,
-                        const QueueEstimate& queue) const;
+  ChangeVerdict explain(const Reference& reference, double p_value, const QueueEstimate& queue,
+                        bool drifting) const;
 
   double rate_;
   double interval_s_ = 0.3;  // between keyframes, running mean

@@ -11,8 +11,8 @@ namespace camera_self_calibration {
 /// The focal length's slow drift: stretch i shows the intrinsics `x_i = x + (fx, fy, 0, ..) s_i`
 /// with s a random walk that is 0 now (`var(s_i - s_j) = rate^2 |t_i - t_j|`), and all other
 /// intrinsics constant. The rate is that of the largest restricted likelihood, on a grid, where it
-/// is a clearly better explanation than segments that disagree by the same factor in everything.
-/// x follows from all stretches, each weighted by how long ago it was.
+/// is a clearly better explanation than segments that disagree by the same factor in everything,
+/// also without any one of them. x follows from all stretches, each weighted by how long ago it was.
 ///
 /// `queue` and `others` (which shares no moment with it) are of the intrinsics of `camera`, the
 /// queue's estimate; `now_ns` is not before any of them.

@@ -7,8 +7,9 @@
 
 namespace camera_self_calibration {
 
-/// Window of the flow prediction [px]; the pyramid's levels carry a border of this width.
-constexpr int kFlowWindow = 15;
+/// Window of the flow prediction [px]; the pyramid's levels carry a border of this width. OpenCV
+/// takes eight pixels of a row at a time, and those left over one by one.
+constexpr int kFlowWindow = 16;
 
 /// An image at halved resolutions, with the derivatives that the flow prediction and the corner
 /// detection share. Pixel p of level 0 lies at p / 2^level. The image is copied, so that it need
