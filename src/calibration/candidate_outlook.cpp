@@ -47,10 +47,10 @@ CandidateOutlook outlookOf(const Segment& segment, const Camera& camera) {
   return outlook;
 }
 
-bool fitsAsUsual(const CandidateOutlook& outlook, const QueueEstimate& queue) {
+bool fitsAsUsual(double sigma_scale, const QueueEstimate& queue) {
   std::vector<double> scales;
   for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.sigma_scale);
-  return outlook.sigma_scale <= kUsualMisfit * std::max(1.0, median(std::move(scales), 1.0));
+  return sigma_scale <= kUsualMisfit * std::max(1.0, median(std::move(scales), 1.0));
 }
 
 }  // namespace camera_self_calibration

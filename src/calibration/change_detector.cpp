@@ -34,8 +34,6 @@ constexpr std::size_t kPools[] = {2, 4, 8};
 constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a drift made stale
 // Residual scale, over that of the queue's segments, of data that fit no lens.
 constexpr double kMaxMisfit = 2.0;
-// The same of data that are as good as the queue's.
-constexpr double kUsualMisfit = 1.3;
 
 std::string withP(const char* text, double p_value) {
   return formatted("%s (p = %.1e)", text, p_value);
@@ -105,7 +103,7 @@ std::optional<double> ChangeDetector::clearlySame(const CandidateOutlook& outloo
                                                   const QueueSolution& solution) {
   measureInterval(outlook.evidence.end_ns);
   if (suspected_onset_ns > 0 || in_doubt_ || isNewStretch(outlook.evidence.begin_ns) ||
-      !fitsAsUsual(outlook, queue)) {
+      !fitsAsUsual(outlook.sigma_scale, queue)) {
     return std::nullopt;
   }
   const auto reference =
@@ -267,8 +265,8 @@ std::vector<Evidence> ChangeDetector::stretchesBeside(const QueueEstimate& queue
              candidate.segment.endNs() >= evidence.begin_ns;
     };
     const auto& candidates = queue.candidates();
-    const bool fits = stretch.candidate.well_posed &&
-                      stretch.candidate.residual_scale < kUsualMisfit * usual_residual_scale_;
+    const bool fits =
+        stretch.candidate.well_posed && fitsAsUsual(stretch.candidate.sigma_scale, queue);
     if (fits && std::none_of(candidates.begin(), candidates.end(), shares)) {
       beside.push_back(evidence);
     }

@@ -68,7 +68,7 @@ bool BackEnd::foregone(const KeyframeMessage& message) {
   std::optional<double> p_value = 1.0;
   if (handed_over_) {
     p_value = detector_.clearlySame(outlook, message.suspected_onset_ns, estimate_, solution_);
-  } else if (report_.epoch > 0 || !fitsAsUsual(outlook, estimate_)) {
+  } else if (report_.epoch > 0 || !fitsAsUsual(outlook.sigma_scale, estimate_)) {
     return false;  // after a change each window is held against what the batch said before it
   }
   if (!p_value) return false;

@@ -54,8 +54,8 @@ TEST(CandidateOutlook, FitsAsUsualOnlyWhereItHasSettled) {
   queue.add(candidateOf(lens, lens, 100));
   for (std::uint64_t seed = 1; seed < 4; ++seed) {
     const Segment window = laterWindow(lens, seed);  // perturbed, not solved
-    EXPECT_FALSE(fitsAsUsual(outlookOf(window, lens), queue)) << seed;
-    EXPECT_TRUE(fitsAsUsual(outlookOf(solvedWith(lens, window), lens), queue)) << seed;
+    EXPECT_FALSE(fitsAsUsual(outlookOf(window, lens).sigma_scale, queue)) << seed;
+    EXPECT_TRUE(fitsAsUsual(outlookOf(solvedWith(lens, window), lens).sigma_scale, queue)) << seed;
   }
 }
 

@@ -21,8 +21,8 @@ struct CandidateOutlook {
 /// `camera` is what the segment's poses and depths were estimated with, or near it.
 CandidateOutlook outlookOf(const Segment& segment, const Camera& camera);
 
-/// Whether the residuals are about as large as those of the queue's candidates: where they are
-/// much larger, poses and depths have not settled, or the lens is another one.
-bool fitsAsUsual(const CandidateOutlook& outlook, const QueueEstimate& queue);
+/// Whether residuals of this sigma scale are about as large as those of the queue's candidates:
+/// where they are much larger, poses and depths have not settled, or the lens is another one.
+bool fitsAsUsual(double sigma_scale, const QueueEstimate& queue);
 
 }  // namespace camera_self_calibration
