@@ -6,7 +6,7 @@
 #include <map>
 
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/solver.h"
@@ -21,7 +21,8 @@ constexpr double kByChance = 0.05;
 // Evidence of one block at its present state.
 Evidence linearized(const SegmentBlock& block, const Camera& camera) {
   const int count = camera.estimatedCount();
-  LinearSegment linear;
+  LinearSegments only(1);
+  LinearSegment& linear = only[0];
   linear.linearize(block, camera, count, SolverOptions().huber);
   linear.eliminate(0.0);
   return {block.segment->beginNs(), block.segment->endNs(), camera.parameters().head(count),

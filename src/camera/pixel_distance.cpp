@@ -122,7 +122,7 @@ std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
   if (covariance.rows() != n || covariance.cols() != n || !covariance.allFinite()) return {};
   std::vector<UncertainPixel> result;
   for (const CompensatedPixel& point : compensatedDerivatives(camera, field)) {
-    const double trace = (point.a * covariance * point.a.transpose()).trace();
+    const double trace = (point.a * covariance).cwiseProduct(point.a).sum();
     result.push_back({point.pixel, std::sqrt(std::max(0.0, trace))});
   }
   return result;

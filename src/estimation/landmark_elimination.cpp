@@ -9,6 +9,8 @@
 namespace camera_self_calibration {
 namespace {
 
+constexpr int kPanelColumns = 24;  // of landmarks that are eliminated together
+
 // Lower Cholesky factor of a landmark's damped block, with the reciprocals of the pivots on its
 // diagonal; a direction without information has a zero there, and so does not move.
 Eigen::Matrix3d landmarkCholesky(const Eigen::Matrix3d& hessian, int dimension, double damping) {
@@ -48,16 +50,17 @@ void LinearSegment::eliminateLandmarks(double damping) {
   const std::vector<int>& order = structure_.elimination_order;
   for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
     int first = structure_.free_poses, last = -1;
-    for (int columns = 0; end < order.size(); ++end) {
+    int columns = 0;
+    for (; end < order.size(); ++end) {
       const SegmentStructure::LandmarkPlace& place = structure_.landmarks[order[end]];
+      if (columns + place.dimension > kPanelColumns) break;
       columns += place.dimension;
-      if (columns > Panel::kColumns) break;
       first = std::min(first, place.first_pose);
       last = std::max(last, place.last_pose);
     }
     const int poses = std::max(0, last - first + 1);
-    panel_.reset(6 * poses + kTail);
-    int columns = 0;
+    panel_.reset(6 * poses + kTail, columns);
+    columns = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const auto l = static_cast<std::size_t>(order[i]);
       const int dimension = structure_.landmarks[l].dimension;
@@ -69,7 +72,7 @@ void LinearSegment::eliminateLandmarks(double damping) {
       }
       columns += dimension;
     }
-    panel_.multiply(columns);
+    panel_.multiply();
     subtractProduct(first, poses);
   }
 }

@@ -7,7 +7,7 @@
 #include <limits>
 #include <vector>
 
-#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/parallel.h"
 
 namespace camera_self_calibration {
@@ -20,7 +20,7 @@ double Marginal::residualScale() const {
 Marginal marginalize(const Problem& problem, double huber, int threads) {
   const int blocks = static_cast<int>(problem.blocks.size());
   const int count = problem.intrinsicsCount();
-  std::vector<LinearSegment> linear(blocks);
+  LinearSegments linear(problem.blocks.size());
   parallelFor(threads, blocks, [&](int i) {
     linear[i].linearize(problem.blocks[i], *problem.camera, count, huber, true);
     linear[i].eliminate(0.0);

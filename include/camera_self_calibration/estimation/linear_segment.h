@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
-#include "camera_self_calibration/estimation/panel.h"
+#include "camera_self_calibration/geometry/panel.h"
 #include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/segment_structure.h"

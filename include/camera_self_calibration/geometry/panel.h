@@ -1,34 +1,36 @@
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
 #include <vector>
 
 namespace camera_self_calibration {
 
-/// A tall matrix of few columns, made anew many times, and its product with its own transpose.
+/// A dense matrix that is made anew many times, and its product with its own transpose. Its memory
+/// is kept.
 class Panel {
  public:
-  static constexpr int kColumns = 24;
-
-  /// All zero, with so many rows.
-  void reset(int rows) {
+  /// All zero.
+  void reset(int rows, int columns) {
+    columns_ = columns;
     pitch_ = (rows + kBlock - 1) / kBlock * kBlock;
     const auto pitch = static_cast<std::size_t>(pitch_);
-    values_.assign(pitch * kColumns, 0.0);
+    values_.assign(pitch * static_cast<std::size_t>(columns), 0.0);
     if (product_.size() < pitch * pitch) product_.resize(pitch * pitch);
   }
 
   double* column(int c) { return values_.data() + c * pitch_; }
+  /// From one column to the next.
   int pitch() const { return pitch_; }
 
-  /// The product of the first `columns` columns with their transpose; its lower triangle alone.
-  void multiply(int columns);
+  /// Forms the product with the transpose; its lower triangle alone.
+  void multiply();
   /// Column `c` of the product.
   const double* product(int c) const { return product_.data() + c * pitch_; }
 
  private:
   static constexpr int kBlock = 8;
 
+  int columns_ = 0;
   int pitch_ = 0;  // rows, to a multiple of kBlock
   std::vector<double> values_;
   std::vector<double> product_;

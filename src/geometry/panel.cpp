@@ -1,4 +1,4 @@
-#include "camera_self_calibration/estimation/panel.h"
+#include "camera_self_calibration/geometry/panel.h"
 
 #include <cstring>
 
@@ -41,8 +41,6 @@ SELFCAL_CPU_CLONES void multiplyByTranspose(const double* panel, int pitch, int 
 
 }  // namespace
 
-void Panel::multiply(int columns) {
-  multiplyByTranspose(values_.data(), pitch_, columns, product_.data());
-}
+void Panel::multiply() { multiplyByTranspose(values_.data(), pitch_, columns_, product_.data()); }
 
 }  // namespace camera_self_calibration
