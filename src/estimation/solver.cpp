@@ -75,7 +75,8 @@ class DogLeg {
   // The path from the present state.
   bool has_path_ = false;
   Eigen::VectorXd newton_;
-  double newton_norm_ = 0.0;  // scaled
+  double newton_norm_ = 0.0;      // scaled
+  double intrinsics_step_ = 0.0;  // of newton_, in marginal standard deviations
   bool has_cauchy_ = false;
   Eigen::VectorXd cauchy_;
 
@@ -136,6 +137,7 @@ bool DogLeg::reduce() {
   if (!reduced.allFinite()) return false;
   reduced_inverse_.compute(reduced, LinearSegment::kRankTolerance);
   newton_.head(count_) = reduced_inverse_.solve(right);
+  intrinsics_step_ = std::sqrt(std::max(0.0, right.dot(newton_.head(count_))));
   return true;
 }
 
@@ -216,7 +218,8 @@ void DogLeg::tryStep(SolveSummary* summary) {
   const double cost = apply();
   const double ratio = (cost_ - cost) / predicted_gain_;
   if (std::isfinite(cost) && ratio > 1e-4) {
-    summary->converged = cost_ - cost < options_.cost_tolerance * cost_;
+    const bool near = newton_norm_ <= radius_ && intrinsics_step_ < options_.intrinsics_tolerance;
+    summary->converged = near || cost_ - cost < options_.cost_tolerance * cost_;
     cost_ = summary->final_cost = cost;
     if (ratio > 0.75) radius_ = std::max(radius_, 3.0 * step_norm_);
     if (ratio < 0.25) radius_ = 0.5 * step_norm_;
