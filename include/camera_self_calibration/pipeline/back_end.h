@@ -86,6 +86,7 @@ class BackEnd {
   void considerCandidate(const KeyframeMessage& message, std::vector<Event>* events);
   bool foregone(const KeyframeMessage& message);
   void changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events);
+  void putAway(std::int64_t onset_ns);
   void followDrift(const ChangeVerdict& verdict);
   LensDrift presentDrift() const;
   void considerDrift();
