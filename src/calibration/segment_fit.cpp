@@ -39,6 +39,7 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
   solver.huber = options.huber;
   solver.step_tolerance = options.step_tolerance;
   solver.cost_tolerance = options.cost_tolerance;
+  solver.intrinsics_tolerance = options.intrinsics_tolerance;
   Problem problem;
   problem.camera = camera;
   problem.estimate_intrinsics = options.estimate_intrinsics;
@@ -46,6 +47,7 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
   // Which tracks are outliers shows well before the solution has settled.
   SolverOptions rough = solver;
   rough.cost_tolerance = std::max(solver.cost_tolerance, kRoughCost);
+  rough.intrinsics_tolerance = 0.0;
   bool settled = false;
   for (int round = 0; round < options.gating_rounds; ++round) {
     if (segment->observations.empty()) return fit;

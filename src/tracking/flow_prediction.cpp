@@ -32,14 +32,17 @@ void FlowPrediction::follow(const ImagePyramid& from, const ImagePyramid& to, in
                             std::vector<cv::Point2f>* predicted) {
   LucasKanade::Effort forward;
   forward.coarsest_level = coarsest;
-  for (const std::size_t i : chosen_) {
-    cv::Point2f back = points[i];
-    const bool returns =
-        lucas_kanade_.follow(from, gain_, points[i], to, forward, &(*predicted)[i]) &&
-        lucas_kanade_.follow(to, 1.0f / gain_, (*predicted)[i], from, kBackward, &back);
-    const cv::Point2f miss = back - points[i];
-    found_[i] = returns && miss.dot(miss) <= kMaxReturn * kMaxReturn;
-  }
+  inStripes(static_cast<int>(chosen_.size()), [&](int stripe, int begin, int end) {
+    LucasKanade& worker = lucas_kanade_[static_cast<std::size_t>(stripe)];
+    for (int k = begin; k < end; ++k) {
+      const std::size_t i = chosen_[static_cast<std::size_t>(k)];
+      cv::Point2f back = points[i];
+      const bool returns = worker.follow(from, gain_, points[i], to, forward, &(*predicted)[i]) &&
+                           worker.follow(to, 1.0f / gain_, (*predicted)[i], from, kBackward, &back);
+      const cv::Point2f miss = back - points[i];
+      found_[i] = returns && miss.dot(miss) <= kMaxReturn * kMaxReturn;
+    }
+  });
 }
 
 // By how far the scouts, which are the only points found yet, were from theirs.

@@ -1,6 +1,7 @@
 #include "camera_self_calibration/tracking/tracker.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 
@@ -10,6 +11,7 @@
 #include "camera_self_calibration/tracking/local_motion.h"
 #include "camera_self_calibration/tracking/patch_registration.h"
 #include "camera_self_calibration/tracking/pyramid.h"
+#include "camera_self_calibration/tracking/stripes.h"
 #include "camera_self_calibration/tracking/track_gate.h"
 #include "camera_self_calibration/tracking/usable_area.h"
 #include "camera_self_calibration/tracking/zoom_search.h"
@@ -59,8 +61,9 @@ struct Tracker::Impl {
   void load(const ImageView& image);
   void advance();
   void predict();
-  bool registerTrack(std::size_t i);
-  bool registerFrom(std::size_t i, const Warp& start);
+  bool registerTrack(std::size_t i, PatchRegistration* worker);
+  bool registerFrom(std::size_t i, const Warp& start, PatchRegistration* worker);
+  void registerAll();
   template <typename Keep>
   void keepIf(const Keep& keep);
   int cell() const;
@@ -85,11 +88,14 @@ struct Tracker::Impl {
   FlowPrediction flow;
   ZoomSearch zoom_search;
   LocalMotion local_motion;
-  PatchRegistration registration;
+  std::array<PatchRegistration, kStripes> registrations;
   TrackGate gate;
   HarrisDetector harris;
   std::vector<cv::Point2f> from;
   std::vector<cv::Point2f> predicted;
+  // Of all tracks of an image, whether they were registered and how; of those that were.
+  std::vector<char> found;
+  std::vector<Registration> registered;
   std::vector<Registration> accepted;
 };
 
@@ -134,36 +140,52 @@ void Tracker::Impl::predict() {
 }
 
 // By the flow, or else by the motion of the neighbours: where a feature nears the image's edge, or
-// its surroundings change, the flow fails first.
-bool Tracker::Impl::registerTrack(std::size_t i) {
+// its surroundings change, the flow fails first. Tracks do not touch each other's state.
+bool Tracker::Impl::registerTrack(std::size_t i, PatchRegistration* worker) {
   const State& state = states[i];
   const LocalMotion::Motion motion = local_motion.at(state.warp.pixel);
   const Eigen::Matrix2d linear = motion.linear * state.warp.linear;
-  if (flow.found(i) && registerFrom(i, {{predicted[i].x, predicted[i].y}, linear})) return true;
-  return registerFrom(i, {motion.pixel, linear});
+  if (flow.found(i) && registerFrom(i, {{predicted[i].x, predicted[i].y}, linear}, worker)) {
+    return true;
+  }
+  return registerFrom(i, {motion.pixel, linear}, worker);
 }
 
-bool Tracker::Impl::registerFrom(std::size_t i, const Warp& start) {
+bool Tracker::Impl::registerFrom(std::size_t i, const Warp& start, PatchRegistration* worker) {
   State& state = states[i];
-  const Registration result = registration.run(&patches[state.patch], current, start);
+  const Registration result = worker->run(&patches[state.patch], current, start);
   if (!gate.accepts(result)) return false;
   state.velocity = result.warp.pixel - state.warp.pixel;
   state.warp = result.warp;
   frame.tracks[i].pixel = result.pixel;
   frame.tracks[i].sigma = gate.sigma(result);
-  accepted.push_back(result);
+  registered[i] = result;
   return true;
+}
+
+void Tracker::Impl::registerAll() {
+  found.assign(states.size(), 0);
+  registered.resize(states.size());
+  inStripes(static_cast<int>(states.size()), [this](int stripe, int begin, int end) {
+    PatchRegistration* worker = &registrations[static_cast<std::size_t>(stripe)];
+    for (int i = begin; i < end; ++i) {
+      const auto track = static_cast<std::size_t>(i);
+      found[track] = registerTrack(track, worker);
+    }
+  });
 }
 
 void Tracker::Impl::advance() {
   predict();
+  registerAll();
   accepted.clear();
   keepIf([this](std::size_t i) {
-    return registerTrack(i) &&
-           usable_area.contains(frame.tracks[i].pixel.x(), frame.tracks[i].pixel.y());
+    if (found[i] == 0) return false;
+    accepted.push_back(registered[i]);
+    return usable_area.contains(registered[i].pixel.x(), registered[i].pixel.y());
   });
   gate.learn(accepted);
-  registration.setNoise(gate.whiteNoise());
+  for (PatchRegistration& worker : registrations) worker.setNoise(gate.whiteNoise());
 }
 
 // Calls keep(i) once for each track, in order, and ends those for which it is false.
@@ -205,7 +227,7 @@ bool Tracker::Impl::cut(const Corner& corner, ReferencePatch* patch, Warp* warp)
   Eigen::Vector2i centre(corner.x, corner.y);
   for (int pass = 0; pass < 2; ++pass) {
     patch->cut(current.level(0), centre.x(), centre.y());
-    if (!registration.prepare(patch)) return false;
+    if (!registrations[0].prepare(patch)) return false;
     patch->chooseAnchor(kAnchorReach);
     warp->pixel = centre.cast<double>();
     const Eigen::Vector2i step = patch->anchor().array().round().cast<int>();
@@ -222,7 +244,7 @@ bool Tracker::Impl::begin(const Corner& corner) {
   const Eigen::Vector2d pixel = warp.pixel + patches[slot].anchor();
   if (crowded(pixel, minDistance())) return false;
   // Registered on itself: what sigma the next images are to expect.
-  const Registration itself = registration.run(&patches[slot], current, warp);
+  const Registration itself = registrations[0].run(&patches[slot], current, warp);
   if (!gate.accepts(itself) || gate.sigma(itself) > kMaxSigma) return false;
   free_patches.pop_back();
   states.push_back({warp, Eigen::Vector2d::Zero(), slot});

@@ -16,6 +16,8 @@ struct SegmentFitOptions {
   double huber = 2.0;     ///< In sigmas.
   double step_tolerance = 1e-4;
   double cost_tolerance = 1e-7;
+  /// SolverOptions::intrinsics_tolerance of the last solution.
+  double intrinsics_tolerance = 0.0;
   IntrinsicsPrior prior = {};  ///< Vague, against runaways; the marginal does not contain it.
 };
 

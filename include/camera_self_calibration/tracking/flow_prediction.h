@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -7,6 +8,7 @@
 #include "camera_self_calibration/tracking/local_motion.h"
 #include "camera_self_calibration/tracking/lucas_kanade.h"
 #include "camera_self_calibration/tracking/pyramid.h"
+#include "camera_self_calibration/tracking/stripes.h"
 
 namespace camera_self_calibration {
 
@@ -37,7 +39,7 @@ class FlowPrediction {
     }
   }
 
-  LucasKanade lucas_kanade_;
+  std::array<LucasKanade, kStripes> lucas_kanade_;
   float gain_ = 1.0f;  // brightness of the second image against that of the first
   std::vector<std::uint8_t> found_;
   std::vector<std::size_t> chosen_;  // points that are followed together
