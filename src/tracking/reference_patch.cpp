@@ -70,8 +70,7 @@ ReferencePatch::Matrix productOf(Panel* panel) {
   for (int c = 0; c < ReferencePatch::kParameters; ++c) {
     product.col(c) = Eigen::Map<const ReferencePatch::Vector>(panel->product(c));
   }
-  product.triangularView<Eigen::StrictlyUpper>() = product.transpose();
-  return product;
+  return product.selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace

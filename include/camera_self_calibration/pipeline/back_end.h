@@ -115,12 +115,10 @@ class BackEnd {
   QueueSolution solution_;
   ChangeDetector detector_;
   RowTime row_time_;
-  static constexpr int kFewSwaps = 5;
-  int row_time_keyframes_ = 0;     // of the startup batch, when it was asked last
-  int swaps_between_ = kFewSwaps;  // after which it is asked for again, once it is settled
-  int swaps_since_row_time_ = 0;   // changes of the queue since it was asked for the row time
-  ImageField field_;               // the part of the image that sees
-  SettingArchive settings_;        // of earlier epochs
+  int row_time_keyframes_ = 0;    // of the startup batch, when it was asked last
+  int swaps_since_row_time_ = 0;  // changes of the queue since it was asked for the row time
+  ImageField field_;              // the part of the image that sees
+  SettingArchive settings_;       // of earlier epochs
   std::deque<std::pair<std::int64_t, Reference>> startup_course_;  // by stamp, of this epoch
   std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch
   bool handed_over_ = false;
