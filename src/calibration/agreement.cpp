@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "camera_self_calibration/estimation/depth_noise.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
@@ -22,10 +23,12 @@ constexpr double kByChance = 0.05;
 Evidence linearized(const SegmentBlock& block, const Camera& camera) {
   const int count = camera.estimatedCount();
   LinearSegment linear;
-  linear.linearize(block, camera, count, SolverOptions().huber);
+  const double huber = SolverOptions().huber;
+  linear.linearize(block, camera, count, huber);
   linear.eliminate(0.0);
+  const ReducedInformation told = discountedInformation(block, camera, huber, linear);
   return {block.segment->beginNs(), block.segment->endNs(), camera.parameters().head(count),
-          linear.reducedGradient(), linear.reducedHessian()};
+          told.gradient, told.information};
 }
 
 Intrinsics estimated(const Camera& camera) {

@@ -29,7 +29,7 @@ CandidateOutlook outlookOf(const Segment& segment, const Camera& camera) {
   Segment copy = segment;
   Camera held = camera;
   const Problem problem{&held, true, {freeBlock(&copy, camera)}};
-  const Marginal marginal = marginalize(problem, SolverOptions().huber);
+  const Marginal marginal = marginalize(problem, SolverOptions().huber, 1, DepthNoise::kDiscounted);
   const auto covariance = covarianceFromInformation(marginal.information);
   if (!covariance) return outlook;
   const int count = camera.estimatedCount();

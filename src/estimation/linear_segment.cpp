@@ -329,6 +329,19 @@ Intrinsics LinearSegment::intrinsicsDiagonal() const {
   return normal_.diagonal().segment(poseColumns(), intrinsics_count_);
 }
 
+void LinearSegment::crossPoses(const Eigen::MatrixXd& columns, Eigen::MatrixXd* among_poses,
+                               Eigen::MatrixXd* to_intrinsics) const {
+  Eigen::MatrixXd whitened;
+  poses_inverse_.whiten(columns, &whitened);
+  *among_poses = whitened.transpose() * whitened;
+  *to_intrinsics = whitened_tail_.leftCols(intrinsics_count_).transpose() * whitened;
+}
+
+double LinearSegment::poseCurvature(const Eigen::VectorXd& poses) const {
+  const int p = poseColumns();
+  return poses.dot(schur_.topLeftCorner(p, p).selfadjointView<Eigen::Lower>() * poses);
+}
+
 double LinearSegment::curvature(const Eigen::Ref<const Eigen::VectorXd>& own,
                                 const Intrinsics& intrinsics) const {
   const int c = intrinsics_count_;

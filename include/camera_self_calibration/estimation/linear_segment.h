@@ -59,6 +59,15 @@ class LinearSegment {
   /// by what is correlated along a track.
   IntrinsicsMatrix trackScores() const;
 
+  bool hasScores() const { return for_scores_; }
+
+  /// After eliminate(0), for columns B of poseColumns() rows, with S the poses' and intrinsics'
+  /// system without landmarks: `B^T S_pp^-1 B` and `S_cp S_pp^-1 B`.
+  void crossPoses(const Eigen::MatrixXd& columns, Eigen::MatrixXd* among_poses,
+                  Eigen::MatrixXd* to_intrinsics) const;
+  /// v^T S_pp v, then.
+  double poseCurvature(const Eigen::VectorXd& poses) const;
+
   /// The Gauss-Newton change of the segment's variables, given that of the intrinsics (n_c).
   void backSubstitute(const Intrinsics& intrinsics_step, Eigen::Ref<Eigen::VectorXd> own) const;
 

@@ -42,8 +42,15 @@ struct Marginal {
   std::optional<IntrinsicsMatrix> robustCovariance() const;
 };
 
+/// What of the information counts that noise in the inverse depths feigns (see depth_noise.h).
+enum class DepthNoise {
+  kCounts,     ///< All of it: eqs. 4 and 5 as they are.
+  kDiscounted  ///< As little as is honest: no change where parallax tells the depths well.
+};
+
 /// One fresh undamped linearisation (eqs. 4, 5).
-Marginal marginalize(const Problem& problem, double huber, int threads = 1);
+Marginal marginalize(const Problem& problem, double huber, int threads = 1,
+                     DepthNoise noise = DepthNoise::kCounts);
 
 /// Eigenvalues of an information matrix scaled to a unit diagonal, in increasing order: the
 /// smallest tells how well conditioned the estimate is, whatever the parameters' units.
