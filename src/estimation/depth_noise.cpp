@@ -14,9 +14,9 @@ namespace camera_self_calibration {
 namespace {
 
 // Least share of H that A keeps in any direction. There the estimate is no longer normal, and what
-// a scene of typical depths allows is far better than 0; 0.15 fits simulated segments from a scale
+// a scene of typical depths allows is far better than 0; 0.1 fits simulated segments from a scale
 // of motion where parallax is plain to none at all (see doc/degenerate.md).
-constexpr double kLeastShare = 0.15;
+constexpr double kLeastShare = 0.1;
 // Largest share of noise that changes nothing worth the work: 0.1 % of a sigma.
 constexpr double kNegligible = 1e-3;
 
@@ -62,18 +62,19 @@ double depthInformation(const Landmark& landmark, const Eigen::Vector3d& square,
   return std::isfinite(rest) ? std::max(0.0, rest) : 0.0;
 }
 
-// Changes of all free positions that change nothing but the scale.
-Eigen::VectorXd scaling(const SegmentBlock& block) {
+// Takes out what is told of the scale, which is the gauge's: N - N v v^T N / (v^T N v), v the
+// change of all positions that changes nothing but the scale.
+void forgetScale(const SegmentBlock& block, Eigen::MatrixXd* noise) {
+  if (block.fixed_keyframes != 1) return;  // others hold the scale
   const std::vector<Keyframe>& keyframes = block.segment->keyframes;
-  const int fixed = block.fixed_keyframes;
-  Eigen::VectorXd result =
-      Eigen::VectorXd::Zero(6 * std::max<int>(0, static_cast<int>(keyframes.size()) - fixed));
-  if (fixed != 1) return result;  // others hold the scale
-  for (Eigen::Index k = 0; 6 * k < result.size(); ++k) {
-    result.segment<3>(6 * k) =
+  Eigen::VectorXd scaling(noise->rows());
+  for (Eigen::Index k = 0; 3 * k < scaling.size(); ++k) {
+    scaling.segment<3>(3 * k) =
         keyframes[k + 1].world_from_camera.translation - keyframes[0].world_from_camera.translation;
   }
-  return result;
+  const Eigen::VectorXd told = *noise * scaling;
+  const double square = scaling.dot(told);
+  if (square > 0.0) *noise -= told * told.transpose() / square;
 }
 
 // Columns B with B B^T = N, in all of a pose's six rows.
@@ -97,8 +98,7 @@ struct Feigned {
 };
 
 // `unit` scales the intrinsics' information to that of `factor`.
-Feigned feignedBy(const Eigen::MatrixXd& noise, const Eigen::VectorXd& scale,
-                  const LinearSegment& linear, const Intrinsics& unit,
+Feigned feignedBy(const Eigen::MatrixXd& noise, const LinearSegment& linear, const Intrinsics& unit,
                   const Eigen::LLT<Eigen::MatrixXd>& factor) {
   const Eigen::MatrixXd root = rootOf(noise);
   Eigen::MatrixXd shares;  // of noise, B^T S^-1 B: S is H without the landmarks
@@ -106,10 +106,6 @@ Feigned feignedBy(const Eigen::MatrixXd& noise, const Eigen::VectorXd& scale,
   linear.crossPoses(root, &shares, &shows);
   shows = (unit.asDiagonal() * shows).eval();
   shares += shows.transpose() * factor.solve(shows);
-  // What is told of the scale is the gauge's.
-  const double held = linear.poseCurvature(scale);
-  const Eigen::VectorXd along = root.transpose() * scale;
-  if (held > 0.0) shares -= along * along.transpose() / held;
   if (!shares.allFinite() || shares.trace() < kNegligible) return {};
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(shares);
   // The covariance is sum w w^T / left^2 over the directions w = S^-1 B u / sqrt(share).
@@ -164,6 +160,7 @@ Eigen::MatrixXd depthNoise(const SegmentBlock& block, const Camera& camera, doub
     noise.block<3, 3>(i, r) -= own;
     noise.block<3, 3>(r, i) -= own;
   }
+  forgetScale(block, &noise);
   return noise;
 }
 
@@ -179,8 +176,7 @@ ReducedInformation discountedInformation(const SegmentBlock& block, const Camera
   const IntrinsicsMatrix scaled = unit.asDiagonal() * plain.information * unit.asDiagonal();
   const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
   if (linear.poseColumns() == 0 || factor.info() != Eigen::Success) return plain;
-  const Feigned feigned =
-      feignedBy(depthNoise(block, camera, huber), scaling(block), linear, unit, factor);
+  const Feigned feigned = feignedBy(depthNoise(block, camera, huber), linear, unit, factor);
   if (feigned.growth.size() == 0) return plain;
   const IntrinsicsMatrix honest = lessened(scaled, factor, feigned);
   const Eigen::LLT<Eigen::MatrixXd> honest_factor(honest);

@@ -337,11 +337,6 @@ void LinearSegment::crossPoses(const Eigen::MatrixXd& columns, Eigen::MatrixXd* 
   *to_intrinsics = whitened_tail_.leftCols(intrinsics_count_).transpose() * whitened;
 }
 
-double LinearSegment::poseCurvature(const Eigen::VectorXd& poses) const {
-  const int p = poseColumns();
-  return poses.dot(schur_.topLeftCorner(p, p).selfadjointView<Eigen::Lower>() * poses);
-}
-
 double LinearSegment::curvature(const Eigen::Ref<const Eigen::VectorXd>& own,
                                 const Intrinsics& intrinsics) const {
   const int c = intrinsics_count_;

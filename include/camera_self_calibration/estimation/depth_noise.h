@@ -11,8 +11,8 @@ namespace camera_self_calibration {
 /// free keyframe. A translation moves a point in proportion to its inverse depth rho, so that the
 /// point tells rho^2 D^T D of it, D the derivative of the pixel at inverse depth 1. Of an estimated
 /// rho^2 the share `sigma^2 / (sigma^2 + rho^2)` is noise, sigma the deviation of rho with poses
-/// and intrinsics held. All landmarks count, a fixed one too: the result, per unit of scale, does
-/// not depend on the choice of gauge.
+/// and intrinsics held. All landmarks count, a fixed one too, and the scale of all positions
+/// does not: what follows does not depend on the choice of gauge.
 Eigen::MatrixXd depthNoise(const SegmentBlock& block, const Camera& camera, double huber);
 
 /// What a block tells of the intrinsics when poses and landmarks are eliminated.

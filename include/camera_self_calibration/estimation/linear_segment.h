@@ -65,8 +65,6 @@ class LinearSegment {
   /// system without landmarks: `B^T S_pp^-1 B` and `S_cp S_pp^-1 B`.
   void crossPoses(const Eigen::MatrixXd& columns, Eigen::MatrixXd* among_poses,
                   Eigen::MatrixXd* to_intrinsics) const;
-  /// v^T S_pp v, then.
-  double poseCurvature(const Eigen::VectorXd& poses) const;
 
   /// The Gauss-Newton change of the segment's variables, given that of the intrinsics (n_c).
   void backSubstitute(const Intrinsics& intrinsics_step, Eigen::Ref<Eigen::VectorXd> own) const;
