@@ -7,7 +7,7 @@
 
 #include "camera_self_calibration/estimation/depth_noise.h"
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/solver.h"
@@ -22,8 +22,9 @@ constexpr double kByChance = 0.05;
 // Evidence of one block at its present state.
 Evidence linearized(const SegmentBlock& block, const Camera& camera) {
   const int count = camera.estimatedCount();
-  LinearSegment linear;
   const double huber = SolverOptions().huber;
+  LinearSegments only(1);
+  LinearSegment& linear = only[0];
   linear.linearize(block, camera, count, huber);
   linear.eliminate(0.0);
   const ReducedInformation told = discountedInformation(block, camera, huber, linear);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "camera_self_calibration/calibration/change_course.h"
+#include "camera_self_calibration/calibration/lens_step.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/geometry/median.h"
@@ -15,8 +16,9 @@ namespace {
 
 using Kind = ChangeVerdict::Kind;
 
-constexpr double kTestsPerKeyframe = 6.0;  // two fast, one of the window, three of the pools
-constexpr double kDoubt = 1e-2;            // p-value below which nothing enters the queue
+// Two fast, one of the window, three of the pools, one for a step.
+constexpr double kTestsPerKeyframe = 7.0;
+constexpr double kDoubt = 1e-2;  // p-value below which nothing enters the queue
 // p-value of the candidate's own solution above which no closer look is worth its time.
 constexpr double kClearlySame = 0.1;
 constexpr double kUnfounded = 0.1;       // p-value above which a suspicion was for nothing
@@ -91,6 +93,10 @@ ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& ca
                                       const QueueSolution& solution) {
   ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue, solution);
   const bool by_window = verdict.kind == Kind::kChange && verdict.recent.empty();
+  if (verdict.kind != Kind::kChange) {
+    ChangeVerdict step = examineStep(queue, solution);
+    if (step.kind == Kind::kChange) verdict = std::move(step);
+  }
   in_doubt_ = verdict.kind != Kind::kSame;
   if (by_window) return confirmed(std::move(verdict), solution.camera);
   findings_ = 0;
@@ -295,6 +301,30 @@ ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
     }
   }
   return doubt;
+}
+
+ChangeVerdict ChangeDetector::examineStep(const QueueEstimate& queue,
+                                          const QueueSolution& solution) const {
+  ChangeVerdict verdict;
+  std::vector<Evidence> stretches = stretchesBeside(queue);
+  for (const Candidate& candidate : queue.candidates()) stretches.push_back(ownEvidence(candidate));
+  const auto step = estimateStep(std::move(stretches), solution.camera, last_stamp_ns_, limit());
+  if (!step || recent_.empty() || recent_.back().evidence.begin_ns < step->onset_ns) return verdict;
+  verdict.kind = Kind::kChange;
+  verdict.reason = withP("the lens changed, in one step", step->p_value);
+  verdict.p_value = step->p_value;
+  verdict.onset_ns = step->onset_ns;
+  verdict.camera = step->camera;
+  verdict.information = step->information;
+  verdict.segment = recent_.back().candidate.segment;
+  const auto keep = [&](const Candidate& candidate) {
+    if (candidate.well_posed && candidate.segment.beginNs() >= step->onset_ns) {
+      verdict.recent.push_back(candidate);
+    }
+  };
+  for (const Candidate& candidate : queue.candidates()) keep(candidate);
+  for (const Stretch& stretch : recent_) keep(stretch.candidate);
+  return verdict;
 }
 
 ChangeVerdict ChangeDetector::explain(const Reference& reference, double p_value,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "camera_self_calibration/calibration/growth.h"
 #include "camera_self_calibration/calibration/segment_fit.h"
@@ -37,24 +38,32 @@ double costOfOneLens(Segment segment, const Camera& lens, double sigma_scale) {
   problem.blocks[0].sigma_scale = sigma_scale;
   SolverOptions options;
   options.step_tolerance = 1e-3;
-  options.cost_tolerance = 1e-7;
+  options.cost_tolerance = 1e-6;  // what is left of it is small against a chi-square of one
   const SolveSummary summary = solve(problem, options);
   return summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
 }
 
-// The robust cost of the stretch with a change after so many keyframes.
-double costOfChange(Segment segment, int earlier_keyframes, const Camera& reference) {
+// The stretch with a change after so many keyframes.
+struct Changed {
+  Segment segment;
+  Camera camera;                                          // since then
+  double cost = std::numeric_limits<double>::infinity();  // robust
+};
+
+// From the state of `start`.
+Changed solveWithChange(const Changed& start, int earlier_keyframes, const Camera& reference) {
+  Changed changed = start;
   if (earlier_keyframes > 0) {
-    segment.earlier_camera = std::make_shared<const Camera>(reference);
-    segment.earlier_keyframes = earlier_keyframes;
+    changed.segment.earlier_camera = std::make_shared<const Camera>(reference);
+    changed.segment.earlier_keyframes = earlier_keyframes;
   }
-  Camera camera = reference;
-  const Problem problem{&camera, true, {freeBlock(&segment, camera)}};
+  const Problem problem{&changed.camera, true, {freeBlock(&changed.segment, changed.camera)}};
   SolverOptions options;
   options.step_tolerance = 1e-2;
   options.cost_tolerance = 1e-4;
   const SolveSummary summary = solve(problem, options);
-  return summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
+  changed.cost = summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
+  return changed;
 }
 
 // Solves the stretch with one lens throughout. Returns the robust cost.
@@ -124,17 +133,18 @@ Segment fittingOneLens(const Segment& segment, const Camera& camera) {
   return result;
 }
 
+// Each date is tried from the solution of the best so far, which is near its own.
 int dateLensChange(const Segment& segment, const Reference& reference, int first, int last) {
   const int newest = static_cast<int>(segment.keyframes.size()) - 1;
-  int best = std::clamp(first, 0, std::max(0, newest));
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = best; k <= std::min(last, newest); ++k) {
-    const double cost = costOfChange(segment, k, reference.camera);
-    if (!(cost < least)) continue;
-    least = cost;
-    best = k;
+  int best_date = std::clamp(first, 0, std::max(0, newest));
+  Changed best{segment, reference.camera};
+  for (int k = best_date; k <= std::min(last, newest); ++k) {
+    Changed changed = solveWithChange(best, k, reference.camera);
+    if (!(changed.cost < best.cost)) continue;
+    best = std::move(changed);
+    best_date = k;
   }
-  return best;
+  return best_date;
 }
 
 LensChange testLensChange(const Segment& segment, int earlier_keyframes,

@@ -113,6 +113,12 @@ bool holdsWithoutAny(const std::vector<Saying>& sayings, const Intrinsics& direc
   return true;
 }
 
+Intrinsics alongFocalLength(const Intrinsics& point) {
+  Intrinsics direction = Intrinsics::Zero(point.size());
+  direction.head<2>() = point.head<2>();
+  return direction;
+}
+
 }  // namespace
 
 LensDrift estimateDrift(const std::vector<Evidence>& queue, const std::vector<Evidence>& others,
@@ -120,8 +126,7 @@ LensDrift estimateDrift(const std::vector<Evidence>& queue, const std::vector<Ev
   LensDrift drift;
   if (queue.size() + others.size() < kMinStretches || queue.size() < 2) return drift;
   const Intrinsics point = camera.parameters().head(camera.estimatedCount());
-  Intrinsics direction = Intrinsics::Zero(point.size());
-  direction.head<2>() = point.head<2>();
+  const Intrinsics direction = alongFocalLength(point);
   const std::vector<Saying> joint = sayingsOf(queue, point, now_ns);
   std::vector<Evidence> all = queue;
   all.insert(all.end(), others.begin(), others.end());
@@ -149,6 +154,16 @@ LensDrift estimateDrift(const std::vector<Evidence>& queue, const std::vector<Ev
   now.setParameters(parameters);
   drift.significant = now.valid();
   return drift;
+}
+
+double driftEvidence(const std::vector<Evidence>& stretches, const Camera& camera,
+                     std::int64_t now_ns) {
+  const Intrinsics point = camera.parameters().head(camera.estimatedCount());
+  const Intrinsics direction = alongFocalLength(point);
+  const std::vector<Saying> sayings = sayingsOf(stretches, point, now_ns);
+  double most = 0.0;
+  for (const double rate : kRates) most = std::max(most, evidenceFor(sayings, direction, rate));
+  return most;
 }
 
 }  // namespace camera_self_calibration

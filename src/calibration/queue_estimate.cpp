@@ -14,6 +14,7 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr int kSettlingRounds = 2;
+constexpr double kSettled = 0.02;  // of the intrinsics' sigmas, in a step
 
 SolverOptions solverOptions(int threads) {
   SolverOptions options;
@@ -23,6 +24,7 @@ SolverOptions solverOptions(int threads) {
   // the intrinsics' sigma.
   options.step_tolerance = 1e-2;
   options.cost_tolerance = 2e-5;
+  options.intrinsics_tolerance = kSettled;
   return options;
 }
 

@@ -52,7 +52,7 @@ SolverOptions windowSolver() {
 
 SlidingWindow::SlidingWindow(const SlidingWindowOptions& options, const Camera& camera)
     : options_(options), camera_(camera), map_(options.map_keyframes, options.exact_references) {
-  generations_[generation_] = camera_;
+  generations_[generation_] = {camera_, 0.0};
 }
 
 Rigid3 SlidingWindow::newestPose() const {
@@ -100,7 +100,7 @@ bool SlidingWindow::negligiblyFarFrom(const Camera& camera) const {
   if (active == 0) return false;
   const auto solved_with = generations_.find((keyframes.end() - active)->calibration_generation);
   return solved_with != generations_.end() &&
-         pixelDistance(solved_with->second, camera).rms < kNegligiblePx;
+         pixelDistance(solved_with->second.camera, camera).rms < kNegligiblePx;
 }
 
 void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool trusted) {
@@ -119,6 +119,7 @@ void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool t
 }
 
 void SlidingWindow::setCamera(const Camera& camera, std::uint64_t generation, bool trusted) {
+  const double way_px = generations_[generation_].way_px + pixelDistance(camera_, camera).rms;
   trusted_ = trusted;
   camera_ = camera;
   generation_ = generation;
@@ -127,7 +128,7 @@ void SlidingWindow::setCamera(const Camera& camera, std::uint64_t generation, bo
   for (auto entry = generations_.begin(); entry != generations_.end();) {
     entry = used.count(entry->first) == 0 ? generations_.erase(entry) : std::next(entry);
   }
-  generations_[generation_] = camera_;
+  generations_[generation_] = {camera_, way_px};
 }
 
 void SlidingWindow::solveUnconditioned() {
@@ -208,6 +209,21 @@ void SlidingWindow::setMotions(std::int64_t stamp_ns,
   if (keyframe != nullptr) map_.setMotions(keyframe->id, motions, camera_.height());
 }
 
+// Whether the keyframe's pose was estimated with nearly the intrinsics that it was seen with, as
+// known now.
+bool SlidingWindow::nearTrueCamera(const Keyframe& keyframe) const {
+  const auto solved_with = generations_.find(keyframe.calibration_generation);
+  if (solved_with == generations_.end()) return false;
+  const double limit = options_.max_generation_distance_px;
+  const Generation& generation = solved_with->second;
+  const Camera& true_camera = map_.cameraOf(keyframe, camera_);
+  if (&true_camera == &camera_ &&
+      generations_.at(generation_).way_px - generation.way_px <= limit) {
+    return true;
+  }
+  return pixelDistance(generation.camera, true_camera).rms <= limit;
+}
+
 int SlidingWindow::conditioningCount() const {
   const auto& keyframes = map_.keyframes();
   const int active_begin =
@@ -216,15 +232,9 @@ int SlidingWindow::conditioningCount() const {
   std::uint64_t near_generation = generation_;
   while (count < std::min(active_begin, options_.conditioning_keyframes)) {
     const Keyframe& keyframe = keyframes[active_begin - count - 1];
-    const std::uint64_t generation = keyframe.calibration_generation;
-    if (generation != near_generation) {
-      const auto camera = generations_.find(generation);
-      const Camera& true_camera = map_.cameraOf(keyframe, camera_);
-      if (camera == generations_.end() ||
-          pixelDistance(camera->second, true_camera).rms > options_.max_generation_distance_px) {
-        break;
-      }
-      near_generation = generation;
+    if (keyframe.calibration_generation != near_generation) {
+      if (!nearTrueCamera(keyframe)) break;
+      near_generation = keyframe.calibration_generation;
     }
     ++count;
   }

@@ -13,6 +13,9 @@
 namespace camera_self_calibration {
 namespace {
 
+// [rad] A rotation that moves no pixel by more than a millionth.
+constexpr double kSettled = 1e-9;
+
 struct PointDerivatives {
   Eigen::Vector2d pixel;
   PixelIntrinsicsJacobian a;  // d pixel / d intrinsics, estimated ones
@@ -76,7 +79,7 @@ BestRotation bestRotation(const std::vector<PixelRay>& grid, const Camera& b) {
     if (step.projected == 0 || !step.omega.allFinite()) break;
     if (step.error.rms < best.error.rms) best = {rotation, step.error};
     rotation = expSo3(step.omega) * rotation;
-    if (step.omega.norm() < 1e-12) break;
+    if (step.omega.norm() < kSettled) break;
   }
   return best;
 }
@@ -119,7 +122,7 @@ std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
   if (covariance.rows() != n || covariance.cols() != n || !covariance.allFinite()) return {};
   std::vector<UncertainPixel> result;
   for (const CompensatedPixel& point : compensatedDerivatives(camera, field)) {
-    const double trace = (point.a * covariance * point.a.transpose()).trace();
+    const double trace = (point.a * covariance).cwiseProduct(point.a).sum();
     result.push_back({point.pixel, std::sqrt(std::max(0.0, trace))});
   }
   return result;

@@ -1,13 +1,15 @@
 // Nested elimination: landmarks, then poses; and back.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 
 #include "camera_self_calibration/estimation/linear_segment.h"
-#include "camera_self_calibration/geometry/cpu_clones.h"
 
 namespace camera_self_calibration {
 namespace {
+
+constexpr int kPanelColumns = 24;  // of landmarks that are eliminated together
 
 // Lower Cholesky factor of a landmark's damped block, with the reciprocals of the pivots on its
 // diagonal; a direction without information has a zero there, and so does not move.
@@ -28,24 +30,6 @@ Eigen::Matrix3d landmarkCholesky(const Eigen::Matrix3d& hessian, int dimension, 
   return factor;
 }
 
-// target -= left right^T, with `rank` columns (1 or 3) in both, `pitch` apart; the target's are
-// `target_pitch` apart.
-SELFCAL_CPU_CLONES void subtractProducts(const double* left, const double* right, int pitch,
-                                         int rank, int rows, int columns, double* target,
-                                         std::ptrdiff_t target_pitch) {
-  for (int c = 0; c < columns; ++c) {
-    double* __restrict out = target + c * target_pitch;
-    if (rank == 3) {
-      const double x = right[c], y = right[pitch + c], z = right[2 * pitch + c];
-      for (int r = 0; r < rows; ++r) {
-        out[r] -= left[r] * x + left[pitch + r] * y + left[2 * pitch + r] * z;
-      }
-    } else {
-      for (int r = 0; r < rows; ++r) out[r] -= left[r] * right[c];
-    }
-  }
-}
-
 }  // namespace
 
 void LinearSegment::eliminate(double damping) {
@@ -57,57 +41,51 @@ void LinearSegment::eliminate(double damping) {
   eliminatePoses();
 }
 
+// S -= U U^T with U = W L^-T, W the landmarks' couplings to the poses that see them and to the
+// tail. Landmarks that are seen by about the same poses follow each other: as many at a time as a
+// panel holds.
 template <int kTail>
 void LinearSegment::eliminateLandmarks(double damping) {
   landmark_cholesky_.resize(structure_.landmarks.size());
-  for (std::size_t l = 0; l < structure_.landmarks.size(); ++l) {
-    const int dimension = structure_.landmarks[l].dimension;
-    landmark_cholesky_[l] = landmarkCholesky(landmark_hessian_[l], dimension, damping);
-    if (dimension == 1) {
-      eliminateLandmark<kTail, 1>(l);
-    } else {
-      eliminateLandmark<kTail, 3>(l);
+  const std::vector<int>& order = structure_.elimination_order;
+  for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+    int first = structure_.free_poses, last = -1;
+    int columns = 0;
+    for (; end < order.size(); ++end) {
+      const SegmentStructure::LandmarkPlace& place = structure_.landmarks[order[end]];
+      if (columns + place.dimension > kPanelColumns) break;
+      columns += place.dimension;
+      first = std::min(first, place.first_pose);
+      last = std::max(last, place.last_pose);
     }
+    const int poses = std::max(0, last - first + 1);
+    panel_.reset(6 * poses + kTail, columns);
+    columns = 0;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto l = static_cast<std::size_t>(order[i]);
+      const int dimension = structure_.landmarks[l].dimension;
+      landmark_cholesky_[l] = landmarkCholesky(landmark_hessian_[l], dimension, damping);
+      if (dimension == 1) {
+        whiten<kTail, 1>(l, first, poses, columns);
+      } else {
+        whiten<kTail, 3>(l, first, poses, columns);
+      }
+      columns += dimension;
+    }
+    panel_.multiply();
+    subtractProduct(first, poses);
   }
 }
 
-// S -= U U^T with U = W L^-T, W the landmark's coupling to the poses that see it and to the tail.
-// Column by column of S: keyframes that follow each other give long columns.
+// U of one landmark, one column for each of its dimensions: rows of the poses from `first` on, then
+// of the tail.
 template <int kTail, int kDimension>
-void LinearSegment::eliminateLandmark(std::size_t l) {
-  const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
-  const int* poses = structure_.entry_poses.data() + place.first_entry;
-  const int rows = 6 * place.entries + kTail;
-  const int tail = 6 * place.entries;
-  const int last = poseColumns();
-  whiten<kTail, kDimension>(l);
-  const auto subtract = [&](int row, int count, int at_row, int column, int columns,
-                            int at_column) {
-    subtractProducts(whitened_.data() + row, whitened_.data() + column, rows, kDimension, count,
-                     columns, &schur_(at_row, at_column), schur_.rows());
-  };
-  for (int b = 0; b < place.entries; ++b) {
-    for (int a = 0, end = 0; a < place.entries; a = end) {
-      end = a + 1;
-      if (poses[a] < poses[b]) continue;
-      while (end < place.entries && poses[end] == poses[end - 1] + 1) ++end;
-      subtract(6 * a, 6 * (end - a), 6 * poses[a], 6 * b, 6, 6 * poses[b]);
-    }
-    subtract(tail, kTail, last, 6 * b, 6, 6 * poses[b]);
-  }
-  subtract(tail, kTail, last, tail, kTail, last);
-}
-
-// U of one landmark, one column for each of its dimensions: rows of the poses, then of the tail.
-template <int kTail, int kDimension>
-void LinearSegment::whiten(std::size_t l) {
+void LinearSegment::whiten(std::size_t l, int first, int poses, int column) {
   const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
   const Eigen::Matrix3d& factor = landmark_cholesky_[l];
   const double* couplings = couplings_.data() + coupling_begin_[l];
-  const int rows = 6 * place.entries + kTail;
-  whitened_.resize(static_cast<std::size_t>(rows * kDimension));
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kDimension>> all(whitened_.data(), rows,
-                                                                    kDimension);
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, kDimension>> all(panel_.column(column),
+                                                                    panel_.pitch(), kDimension);
   const auto fill = [&](auto part, const double* from) {
     using Part = Eigen::Matrix<double, decltype(part)::RowsAtCompileTime, kDimension>;
     Part values = Eigen::Map<const Part>(from);
@@ -118,9 +96,23 @@ void LinearSegment::whiten(std::size_t l) {
     part = values;
   };
   for (int e = 0; e < place.entries; ++e) {
-    fill(all.template middleRows<6>(6 * e), couplings + 6 * kDimension * e);
+    const int pose = structure_.entry_poses[place.first_entry + e];
+    fill(all.template middleRows<6>(6 * (pose - first)), couplings + 6 * kDimension * e);
   }
-  fill(all.template bottomRows<kTail>(), couplings + 6 * kDimension * place.entries);
+  fill(all.template middleRows<kTail>(6 * poses), couplings + 6 * kDimension * place.entries);
+}
+
+// From the lower triangle.
+void LinearSegment::subtractProduct(int first, int poses) {
+  using Column = Eigen::Map<const Eigen::VectorXd>;
+  const int rows = 6 * poses;
+  for (int c = 0; c < rows + tail_; ++c) {
+    auto target = schur_.col(c < rows ? 6 * first + c : poseColumns() + c - rows);
+    const int row = std::max(c, rows);  // of the tail
+    target.tail(rows + tail_ - row) -= Column(panel_.product(c) + row, rows + tail_ - row);
+    if (c < rows)
+      target.segment(6 * first + c, rows - c) -= Column(panel_.product(c) + c, rows - c);
+  }
 }
 
 void LinearSegment::eliminatePoses() {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "camera_self_calibration/estimation/depth_noise.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/parallel.h"
 
 namespace camera_self_calibration {
@@ -21,8 +21,8 @@ double Marginal::residualScale() const {
 Marginal marginalize(const Problem& problem, double huber, int threads, DepthNoise noise) {
   const int blocks = static_cast<int>(problem.blocks.size());
   const int count = problem.intrinsicsCount();
-  std::vector<LinearSegment> linear(blocks);
-  std::vector<ReducedInformation> reduced(blocks);
+  LinearSegments linear(problem.blocks.size());
+  std::vector<ReducedInformation> reduced(problem.blocks.size());
   parallelFor(threads, blocks, [&](int i) {
     linear[i].linearize(problem.blocks[i], *problem.camera, count, huber, true);
     linear[i].eliminate(0.0);

@@ -1,6 +1,8 @@
 #include "camera_self_calibration/estimation/segment_structure.h"
 
 #include <algorithm>
+#include <numeric>
+#include <tuple>
 
 namespace camera_self_calibration {
 
@@ -20,6 +22,18 @@ void SegmentStructure::build(const SegmentBlock& block) {
   for (const int o : order_) {
     placeObservation(block, segment.observations[o], &observations[o]);
   }
+  sortByPoses();
+}
+
+void SegmentStructure::sortByPoses() {
+  elimination_order.resize(landmarks.size());
+  std::iota(elimination_order.begin(), elimination_order.end(), 0);
+  std::sort(elimination_order.begin(), elimination_order.end(), [this](int a, int b) {
+    const auto key = [this](int l) {
+      return std::make_tuple(landmarks[l].first_pose, landmarks[l].last_pose, l);
+    };
+    return key(a) < key(b);
+  });
 }
 
 void SegmentStructure::sortByLandmark(const Segment& segment) {
@@ -67,7 +81,10 @@ void SegmentStructure::placeObservation(const SegmentBlock& block, const Observa
       if (landmark.entries == 0) landmark.first_entry = static_cast<int>(entry_poses.size());
       landmark_of_[keyframe] = observation.landmark;
       entry_of_[keyframe] = landmark.first_entry + landmark.entries++;
-      entry_poses.push_back(keyframe - block.fixed_keyframes);
+      const int pose = keyframe - block.fixed_keyframes;
+      entry_poses.push_back(pose);
+      landmark.first_pose = std::min(landmark.first_pose, pose);
+      landmark.last_pose = std::max(landmark.last_pose, pose);
     }
     return entry_of_[keyframe];
   };

@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/parallel.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/transfer.h"
@@ -28,13 +28,13 @@ class DogLeg {
         options_(options),
         blocks_(static_cast<int>(problem.blocks.size())),
         count_(problem.intrinsicsCount()),
+        linear_(problem.blocks.size()),
         segments_(problem.blocks.size()) {}
 
   SolveSummary run();
 
  private:
   struct SegmentWork {
-    LinearSegment linear;
     Transfers transfers;
     double cost = 0.0;
     int begin = 0;  // of its variables
@@ -42,7 +42,7 @@ class DogLeg {
 
   template <typename Vector>
   auto ownPart(int i, Vector* all) const {
-    return all->segment(segments_[i].begin, segments_[i].linear.variables());
+    return all->segment(segments_[i].begin, linear_[i].variables());
   }
 
   void linearize();
@@ -63,6 +63,7 @@ class DogLeg {
   double damping_ = kMinDamping;
   double radius_ = kInitialRadius;
 
+  LinearSegments linear_;
   std::vector<SegmentWork> segments_;
   ProblemState saved_;
   double cost_ = 0.0;
@@ -74,7 +75,8 @@ class DogLeg {
   // The path from the present state.
   bool has_path_ = false;
   Eigen::VectorXd newton_;
-  double newton_norm_ = 0.0;  // scaled
+  double newton_norm_ = 0.0;      // scaled
+  double intrinsics_step_ = 0.0;  // of newton_, in marginal standard deviations
   bool has_cauchy_ = false;
   Eigen::VectorXd cauchy_;
 
@@ -86,7 +88,7 @@ class DogLeg {
 
 void DogLeg::linearize() {
   parallelFor(options_.threads, blocks_, [this](int i) {
-    LinearSegment& linear = segments_[i].linear;
+    LinearSegment& linear = linear_[i];
     if (gradient_.size() == 0) {
       linear.linearize(problem_.blocks[i], *problem_.camera, count_, options_.huber);
     } else {
@@ -95,9 +97,9 @@ void DogLeg::linearize() {
     linear.eliminate(damping_);
   });
   int begin = count_;
-  for (SegmentWork& segment : segments_) {
-    segment.begin = begin;
-    begin += segment.linear.variables();
+  for (int i = 0; i < blocks_; ++i) {
+    segments_[i].begin = begin;
+    begin += linear_[i].variables();
   }
   gradient_.resize(begin);
   scale_.resize(begin);
@@ -112,7 +114,7 @@ void DogLeg::gather() {
   gradient_.head(count_) = problem_.prior.gradient(parameters, count_);
   scale_.head(count_) = problem_.prior.weights(count_);
   for (int i = 0; i < blocks_; ++i) {
-    const LinearSegment& linear = segments_[i].linear;
+    const LinearSegment& linear = linear_[i];
     cost_ += linear.cost();
     gradient_.head(count_) += linear.intrinsicsGradient();
     scale_.head(count_) += linear.intrinsicsDiagonal();
@@ -128,13 +130,14 @@ bool DogLeg::reduce() {
   if (count_ == 0) return true;
   Eigen::MatrixXd reduced = problem_.prior.weights(count_).asDiagonal();
   Eigen::VectorXd right = problem_.prior.gradient(problem_.camera->parameters(), count_);
-  for (const SegmentWork& segment : segments_) {
-    reduced += segment.linear.reducedHessian();
-    right += segment.linear.reducedGradient();
+  for (int i = 0; i < blocks_; ++i) {
+    reduced += linear_[i].reducedHessian();
+    right += linear_[i].reducedGradient();
   }
   if (!reduced.allFinite()) return false;
   reduced_inverse_.compute(reduced, LinearSegment::kRankTolerance);
   newton_.head(count_) = reduced_inverse_.solve(right);
+  intrinsics_step_ = std::sqrt(std::max(0.0, right.dot(newton_.head(count_))));
   return true;
 }
 
@@ -143,7 +146,7 @@ bool DogLeg::gaussNewton() {
   if (!reduce()) return false;
   const Intrinsics intrinsics = newton_.head(count_);
   parallelFor(options_.threads, blocks_,
-              [&](int i) { segments_[i].linear.backSubstitute(intrinsics, ownPart(i, &newton_)); });
+              [&](int i) { linear_[i].backSubstitute(intrinsics, ownPart(i, &newton_)); });
   newton_norm_ = newton_.cwiseProduct(scale_).norm();
   return std::isfinite(newton_norm_);
 }
@@ -154,8 +157,7 @@ bool DogLeg::makePath() {
   while (!gaussNewton()) {
     damping_ *= 10.0;
     if (damping_ >= kMaxDamping) return false;
-    parallelFor(options_.threads, blocks_,
-                [this](int i) { segments_[i].linear.eliminate(damping_); });
+    parallelFor(options_.threads, blocks_, [this](int i) { linear_[i].eliminate(damping_); });
   }
   has_path_ = true;
   has_cauchy_ = false;
@@ -165,7 +167,7 @@ bool DogLeg::makePath() {
 double DogLeg::curvature(const Eigen::VectorXd& step) const {
   double sum = step.head(count_).cwiseAbs2().dot(problem_.prior.weights(count_));
   for (int i = 0; i < blocks_; ++i) {
-    sum += segments_[i].linear.curvature(ownPart(i, &step), step.head(count_));
+    sum += linear_[i].curvature(ownPart(i, &step), step.head(count_));
   }
   return sum;
 }
@@ -216,7 +218,8 @@ void DogLeg::tryStep(SolveSummary* summary) {
   const double cost = apply();
   const double ratio = (cost_ - cost) / predicted_gain_;
   if (std::isfinite(cost) && ratio > 1e-4) {
-    summary->converged = cost_ - cost < options_.cost_tolerance * cost_;
+    const bool near = newton_norm_ <= radius_ && intrinsics_step_ < options_.intrinsics_tolerance;
+    summary->converged = near || cost_ - cost < options_.cost_tolerance * cost_;
     cost_ = summary->final_cost = cost;
     if (ratio > 0.75) radius_ = std::max(radius_, 3.0 * step_norm_);
     if (ratio < 0.25) radius_ = 0.5 * step_norm_;

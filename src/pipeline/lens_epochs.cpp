@@ -80,9 +80,11 @@ bool BackEnd::foregone(const KeyframeMessage& message) {
 // The present estimate goes on from what the alarm knows; the map, the poses and the queue of the
 // epoch that ends keep their intrinsics.
 void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events) {
-  settings_.store({report_.epoch, queue_, estimate_, solution_});
+  putAway(verdict.onset_ns);
   Event event{EventType::kCalibrationChange, report_.stamp_ns, verdict.onset_ns, verdict.reason};
-  event.magnitude_px = pixelDistance(report_.camera, verdict.camera).rms;
+  // What is reported may have followed the change already, as a drift.
+  const Camera& before = handed_over_ && solution_.usable ? solution_.camera : report_.camera;
+  event.magnitude_px = pixelDistance(before, verdict.camera).rms;
   event.p_value = verdict.p_value;
   event.sentence += describe(event);
   events->push_back(event);
@@ -100,6 +102,20 @@ void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* even
   for (const Candidate& candidate : verdict.recent) offer(candidate);
   if (!estimate_.candidates().empty()) solveQueue();
   report_.queue.last_decision = "the queue of the lens before the change was put away";
+}
+
+// The queue as it was before the change, for a setting that returns.
+void BackEnd::putAway(std::int64_t onset_ns) {
+  std::vector<std::int64_t> later;
+  for (const Candidate& candidate : estimate_.candidates()) {
+    if (candidate.segment.endNs() >= onset_ns) later.push_back(candidate.segment.sequence);
+  }
+  if (solution_.usable && !later.empty()) {
+    queue_.remove(later);
+    estimate_.remove(later);
+    solution_ = estimate_.solve(solution_.camera);
+  }
+  settings_.store({report_.epoch, queue_, estimate_, solution_});
 }
 
 // The batch holds the newest keyframes too, so that what came before them has to be remembered.

@@ -1,6 +1,7 @@
 // What rows that are read one after the other lead to: the part of BackEnd that learns the readout
 // time of a rolling shutter.
 
+#include <algorithm>
 #include <optional>
 #include <vector>
 
@@ -10,10 +11,12 @@
 namespace camera_self_calibration {
 namespace {
 
-// Keyframes more in the startup batch, after which it is asked again.
-constexpr int kKeyframesBetween = 3;
-// Changes of the queue after which it is asked again, which takes three solutions of the queue.
-constexpr int kSwapsBetween = 5;
+// A settled readout time is asked for again when the startup batch holds half as many keyframes
+// more.
+constexpr double kBatchGrowth = 1.5;
+// So is the queue after so many changes of it, which takes three solutions. A camera keeps its
+// readout time: they grow from few by half each time, to this at most.
+constexpr int kManySwaps = 60;
 
 // With a global shutter there is nothing to free it of.
 bool isGlobal(double row_time_s, const Segment& segment) {
@@ -50,15 +53,16 @@ void BackEnd::considerRowTime() {
   if (!options_.estimate_readout) return;
   RowTimeEstimate estimate;
   if (handed_over_) {
-    const int wanted = row_time_.settled() ? kSwapsBetween : 1;
+    const int wanted = row_time_.settled() ? swaps_between_ : 1;
     if (swaps_since_row_time_ < wanted || !solution_.usable) return;
     // One that is settled can wait for a keyframe that did not solve the queue already.
     if (row_time_.settled() && report_.queue.last_accepted) return;
     swaps_since_row_time_ = 0;
+    swaps_between_ = std::min(kManySwaps, swaps_between_ + swaps_between_ / 2);
     estimate = estimate_.rowTime(solution_, row_time_.step());
   } else {
     const int keyframes = startup_.keyframesAdded();
-    if (row_time_.settled() && keyframes < row_time_keyframes_ + kKeyframesBetween) return;
+    if (row_time_.settled() && keyframes < kBatchGrowth * row_time_keyframes_) return;
     row_time_keyframes_ = keyframes;
     estimate = startup_.rowTime(row_time_.step());
   }
@@ -85,6 +89,7 @@ void BackEnd::adoptRowTime() {
   }
   report_.queue.swaps = swaps;
   swaps_since_row_time_ = 0;
+  swaps_between_ = kFewSwaps;
   if (!estimate_.candidates().empty()) solveQueue();
   if (!handed_over_) followTheBetter();
   changed_ = true;

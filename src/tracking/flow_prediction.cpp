@@ -2,44 +2,56 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/video/tracking.hpp>
+#include <opencv2/core.hpp>
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kMaxReturn = 1.0;       // [px] Between a point and where the way back leads.
-constexpr double kMinEigenvalue = 1e-4;  // OpenCV's default: drops windows without texture.
-const cv::TermCriteria kForward(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 10, 0.05);
-const cv::TermCriteria kBackward(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 5, 0.1);
-
+constexpr float kMaxReturn = 1.0f;  // [px] Between a point and where the way back leads.
+constexpr LucasKanade::Effort kBackward = {0, 5, 0.1f};
+constexpr std::size_t kScoutEvery = 5;
+constexpr int kCorrectedLevel = 1;       // coarsest level that a corrected guess needs
+constexpr double kNeighbourhood = 0.15;  // [image widths] over which scouts speak for others
 // Ratio of brightness beyond which the flow, which knows no gain, would fail.
 constexpr double kSameExposure = 0.04;
 
-// An image and the border that the flow needs around it, with all values multiplied.
-cv::Mat brightened(const cv::Mat& image, double gain) {
-  cv::Size whole_size;
-  cv::Point offset;
-  image.locateROI(whole_size, offset);
-  cv::Mat whole = image;
-  whole.adjustROI(offset.y, whole_size.height - offset.y - image.rows, offset.x,
-                  whole_size.width - offset.x - image.cols);
-  cv::Mat result;
-  whole.convertTo(result, -1, gain);
-  return result(cv::Rect(offset, image.size()));
+// Brightness of the second image against that of the first.
+float gainBetween(const ImagePyramid& from, const ImagePyramid& to) {
+  const int coarsest = std::min(from.levels(), to.levels()) - 1;
+  const double before = cv::mean(from.level(coarsest))[0];
+  const double gain = cv::mean(to.level(coarsest))[0] / std::max(before, 1.0);
+  const bool differs = gain > 0.2 && gain < 5.0 && std::abs(gain - 1.0) >= kSameExposure;
+  return differs ? static_cast<float>(gain) : 1.0f;
 }
 
 }  // namespace
 
-// The first image and its derivatives, as bright as the second.
-const std::vector<cv::Mat>& FlowPrediction::balanced(const ImagePyramid& from,
-                                                     const ImagePyramid& to) {
-  const int coarsest = std::min(from.levels(), to.levels()) - 1;
-  const double before = cv::mean(from.level(coarsest))[0];
-  const double gain = cv::mean(to.level(coarsest))[0] / std::max(before, 1.0);
-  if (!(gain > 0.2 && gain < 5.0) || std::abs(gain - 1.0) < kSameExposure) return from.mats();
-  balanced_.clear();
-  for (const cv::Mat& image : from.mats()) balanced_.push_back(brightened(image, gain));
-  return balanced_;
+// The chosen points, and back on the finest level.
+void FlowPrediction::follow(const ImagePyramid& from, const ImagePyramid& to, int coarsest,
+                            const std::vector<cv::Point2f>& points,
+                            std::vector<cv::Point2f>* predicted) {
+  LucasKanade::Effort forward;
+  forward.coarsest_level = coarsest;
+  for (const std::size_t i : chosen_) {
+    cv::Point2f back = points[i];
+    const bool returns =
+        lucas_kanade_.follow(from, gain_, points[i], to, forward, &(*predicted)[i]) &&
+        lucas_kanade_.follow(to, 1.0f / gain_, (*predicted)[i], from, kBackward, &back);
+    const cv::Point2f miss = back - points[i];
+    found_[i] = returns && miss.dot(miss) <= kMaxReturn * kMaxReturn;
+  }
+}
+
+// By how far the scouts, which are the only points found yet, were from theirs.
+void FlowPrediction::correctGuesses(double reach, std::vector<cv::Point2f>* predicted) {
+  correction_.fit(
+      guesses_, *predicted, [this](std::size_t i) { return found(i); }, reach);
+  for (std::size_t i = 0; i < guesses_.size(); ++i) {
+    if (found(i)) continue;
+    const Eigen::Vector2d guess(guesses_[i].x, guesses_[i].y);
+    const Eigen::Vector2f corrected = correction_.at(guess).pixel.cast<float>();
+    (*predicted)[i] = {corrected.x(), corrected.y()};
+  }
 }
 
 void FlowPrediction::run(const ImagePyramid& from, const ImagePyramid& to,
@@ -47,20 +59,17 @@ void FlowPrediction::run(const ImagePyramid& from, const ImagePyramid& to,
                          std::vector<cv::Point2f>* predicted) {
   found_.assign(points.size(), 0);
   if (points.empty()) return;
-  const std::vector<cv::Mat>& from_mats = balanced(from, to);
-  const cv::Size window(kFlowWindow, kFlowWindow);
-  cv::calcOpticalFlowPyrLK(from_mats, to.mats(), points, *predicted, found_, unused_error_, window,
-                           from.levels() - 1, kForward, cv::OPTFLOW_USE_INITIAL_FLOW,
-                           kMinEigenvalue);
-  back_ = points;
-  cv::calcOpticalFlowPyrLK(to.mats(), from_mats, *predicted, back_, found_back_, unused_error_,
-                           window, 0, kBackward, cv::OPTFLOW_USE_INITIAL_FLOW, kMinEigenvalue);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const cv::Point2f miss = back_[i] - points[i];
-    // Written so that what is not a number fails.
-    const bool returns = found_back_[i] && miss.dot(miss) <= kMaxReturn * kMaxReturn;
-    found_[i] = found_[i] && returns;
-  }
+  gain_ = gainBetween(from, to);
+  const int coarsest = from.levels() - 1;
+  guesses_ = *predicted;
+  choose([&](std::size_t i) { return i % kScoutEvery == 0; });
+  follow(from, to, coarsest, points, predicted);
+  correctGuesses(kNeighbourhood * to.size().width, predicted);
+  choose([&](std::size_t i) { return i % kScoutEvery != 0; });
+  follow(from, to, std::min(coarsest, kCorrectedLevel), points, predicted);
+  choose([&](std::size_t i) { return i % kScoutEvery != 0 && !found(i); });
+  for (const std::size_t i : chosen_) (*predicted)[i] = guesses_[i];
+  follow(from, to, coarsest, points, predicted);
 }
 
 }  // namespace camera_self_calibration

@@ -12,17 +12,22 @@ namespace {
 constexpr float kHarris = 0.04f;
 constexpr float kRelativeThreshold = 1e-3f;  // Of a strong response: about 1/6 of its contrast.
 constexpr double kStrongShare = 0.02;        // Of the local maxima count as strong.
-constexpr float kScharr = 1.0f / 32.0f;      // Of OpenCV's derivatives, to gray per pixel.
+constexpr float kScharr = 1.0f / 32.0f;      // Of sums of the kernel, to gray per pixel.
 constexpr float kMinResponse = 4.0f;         // [gray^4/px^4] Below lies the noise of any camera.
 constexpr std::array<float, 3> kBinomial = {6 / 16.0f, 4 / 16.0f, 1 / 16.0f};  // Centre first.
 constexpr int kBlock = 32;  // Pixels side by side.
 
-// Products of the derivatives dx, dy that follow each other in `d`.
-SELFCAL_CPU_CLONES void multiply(const std::int16_t* d, int width, float* __restrict xx,
+// Products of a row's derivatives (Scharr), from it and the rows beside it.
+SELFCAL_CPU_CLONES void multiply(const std::uint8_t* above, const std::uint8_t* row,
+                                 const std::uint8_t* below, int width, float* __restrict xx,
                                  float* __restrict xy, float* __restrict yy) {
   for (int x = 0; x < width; ++x) {
-    const float dx = kScharr * d[2 * x];
-    const float dy = kScharr * d[2 * x + 1];
+    const int left = 3 * (above[x - 1] + below[x - 1]) + 10 * row[x - 1];
+    const int right = 3 * (above[x + 1] + below[x + 1]) + 10 * row[x + 1];
+    const int down = 3 * (below[x - 1] - above[x - 1] + below[x + 1] - above[x + 1]) +
+                     10 * (below[x] - above[x]);
+    const float dx = kScharr * static_cast<float>(right - left);
+    const float dy = kScharr * static_cast<float>(down);
     xx[x] = dx * dx;
     xy[x] = dx * dy;
     yy[x] = dy * dy;
@@ -68,34 +73,35 @@ const std::vector<Corner>& HarrisDetector::detect(const ImagePyramid& image, int
   ordered_.clear();
   const cv::Size size = image.size();
   if (std::min(size.width, size.height) <= 2 * std::max(border, kTaps)) return ordered_;
-  respond(image);
+  respond(image.level(0));
   findMaxima(std::max(border, kTaps));
   order(cell);
   return ordered_;
 }
 
-void HarrisDetector::smoothedRow(const cv::Mat& derivatives, int y) {
-  const int width = derivatives.cols;
-  const std::int16_t* d = derivatives.ptr<std::int16_t>(y);
+// The image goes on beyond its edges.
+void HarrisDetector::smoothedRow(const cv::Mat& image, int y) {
+  const int width = image.cols;
+  const auto stride = static_cast<std::ptrdiff_t>(image.step);
+  const std::uint8_t* row = image.data + y * stride;
   float* xx = products_.data();
   float* xy = xx + width;
   float* yy = xy + width;
-  multiply(d, width, xx, xy, yy);
+  multiply(row - stride, row, row + stride, width, xx, xy, yy);
   // One pass over the three rows; what crosses from one to the next lies in the border.
   const float* in = products_.data() + 2;
   smooth(in - 2, in - 1, in, in + 1, in + 2, 3 * width - 4,
          smoothed_[static_cast<std::size_t>(y % kTaps)].data() + 2);
 }
 
-void HarrisDetector::respond(const ImagePyramid& image) {
-  const cv::Mat& derivatives = image.derivatives(0);
-  const int width = derivatives.cols;
+void HarrisDetector::respond(const cv::Mat& image) {
+  const int width = image.cols;
   const std::size_t length = 3 * static_cast<std::size_t>(width);
-  response_.create(derivatives.size(), CV_32FC1);
+  response_.create(image.size(), CV_32FC1);
   products_.resize(length);
   for (std::vector<float>& row : smoothed_) row.resize(length);
-  for (int y = 0; y < derivatives.rows; ++y) {
-    smoothedRow(derivatives, y);
+  for (int y = 0; y < image.rows; ++y) {
+    smoothedRow(image, y);
     if (y < kTaps - 1) continue;
     std::array<const float*, kTaps> r;
     for (int k = 0; k < kTaps; ++k) {

@@ -26,8 +26,8 @@ void ImagePyramid::build(const ImageView& image) {
   // OpenCV takes no const pointer; the image is only read.
   const cv::Mat view(image.height, image.width, CV_8UC1, const_cast<std::uint8_t*>(image.data),
                      static_cast<std::size_t>(image.stride));
-  const cv::Size window(kFlowWindow, kFlowWindow);
-  cv::buildOpticalFlowPyramid(view, mats_, window, coarsestLevel(image.width, image.height), true,
+  const cv::Size border(kBorder, kBorder);
+  cv::buildOpticalFlowPyramid(view, mats_, border, coarsestLevel(image.width, image.height), false,
                               cv::BORDER_REFLECT_101, cv::BORDER_REFLECT_101, false);
 }
 

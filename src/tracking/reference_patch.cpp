@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "camera_self_calibration/geometry/panel.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -62,6 +64,16 @@ Derivatives derivatives(const SmoothWindow& window, int u, int v) {
   return d;
 }
 
+ReferencePatch::Matrix productOf(Panel* panel) {
+  panel->multiply();
+  ReferencePatch::Matrix product;
+  for (int c = 0; c < ReferencePatch::kParameters; ++c) {
+    product.col(c) = Eigen::Map<const ReferencePatch::Vector>(panel->product(c));
+  }
+  product.triangularView<Eigen::StrictlyUpper>() = product.transpose();
+  return product;
+}
+
 }  // namespace
 
 const PatchPoints& PatchPoints::get() {
@@ -118,26 +130,29 @@ void ReferencePatch::fillJacobian(const SmoothWindow& window) {
   }
   mean_ = static_cast<float>(sum / points.weight_sum);
 
-  // Of dynamic width: the products below would be unrolled for minutes of compilation otherwise.
-  Eigen::Matrix<double, kParameters, Eigen::Dynamic> jacobian(kParameters, PatchPoints::kCount);
-  Eigen::Matrix<double, kParameters, Eigen::Dynamic> weighted(kParameters, PatchPoints::kCount);
-  for (std::size_t i = 0; i < PatchPoints::kCount; ++i) {
-    const double u = points.u[i], v = points.v[i], w = points.weight[i];
-    const Derivatives& d = at[i];
-    const auto column = static_cast<Eigen::Index>(i);
-    jacobian.col(column) << d.x, d.y, d.x * u, d.y * u, d.x * v, d.y * v,  // affine warp
-        d.value - mean_, 1.0,                                              // gain, offset
-        d.xx, d.xy, d.yy,                                                  // blur
-        d.x * u * u, d.x * u * v, d.x * v * v,                             // bending
+  // Per point the parameters' derivatives, times the weight's root for the Hessian, and the weight.
+  thread_local Panel rooted, weighted;
+  rooted.reset(kParameters, PatchPoints::kCount);
+  weighted.reset(kParameters, PatchPoints::kCount);
+  for (int i = 0; i < PatchPoints::kCount; ++i) {
+    const auto point = static_cast<std::size_t>(i);
+    const double u = points.u[point], v = points.v[point], w = points.weight[point];
+    const Derivatives& d = at[point];
+    Vector jacobian;
+    jacobian << d.x, d.y, d.x * u, d.y * u, d.x * v, d.y * v,  // affine warp
+        d.value - mean_, 1.0,                                  // gain, offset
+        d.xx, d.xy, d.yy,                                      // blur
+        d.x * u * u, d.x * u * v, d.x * v * v,                 // bending
         d.y * u * u, d.y * u * v, d.y * v * v;
-    weighted.col(column) = w * jacobian.col(column);
-    for (std::size_t k = 0; k < kParameters; ++k) {
+    Eigen::Map<Vector>(rooted.column(i)) = std::sqrt(w) * jacobian;
+    Eigen::Map<Vector>(weighted.column(i)) = w * jacobian;
+    for (int k = 0; k < kParameters; ++k) {
       weighted_jacobian_[(i / kBlock * kParameters + k) * kBlock + i % kBlock] =
-          static_cast<float>(weighted(static_cast<Eigen::Index>(k), column));
+          static_cast<float>(w * jacobian(k));
     }
   }
-  hessian_.noalias() = weighted * jacobian.transpose();
-  squared_.noalias() = weighted * weighted.transpose();
+  hessian_ = productOf(&rooted);
+  squared_ = productOf(&weighted);
   contrast_ = hessian_(kGain, kGain) / points.weight_sum;
 }
 

@@ -1,8 +1,9 @@
 // Change detection on simulated feature tracks.
-//   change_benchmark delays TRIALS [FIRST_SEED]         delay by kind and size of the change
+//   change_benchmark delays TRIALS [FIRST_SEED] [KIND]  delay by kind and size of the change
 //   change_benchmark alarms HOURS RATE [FIRST_SEED]     alarms while nothing changes
 //   change_benchmark many CHANGES [SECONDS] [SEED]      time and memory over many changes
-// Trials of different seeds are independent: several processes may share the work.
+// Trials of different seeds are independent: several processes may share the work. KIND ("+1 %",
+// "drift") leaves the kinds without it in their names out, and each trial then gets its own line.
 
 #include <algorithm>
 #include <cmath>
@@ -142,7 +143,20 @@ void printRow(const Kind& kind, CameraModel model, const Row& row) {
   std::fflush(stdout);
 }
 
-void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_t first_seed) {
+void printTrial(const Scenario& scenario, const Outcome& outcome) {
+  std::printf("  %-12s seed %llu: error %.2f px, sigma %.2f px; %s\n",
+              toString(scenario.model).c_str(),
+              static_cast<unsigned long long>(scenario.tracks.seed),
+              pixelDistance(outcome.truth, outcome.report.camera).rms,
+              outcome.report.uncertainty.rms, outcome.report.sentence.c_str());
+  for (const Event& event : outcome.changes) {
+    std::printf("    %.1f s: %s\n", 1e-9 * static_cast<double>(event.stamp_ns - kStartNs),
+                event.sentence.c_str());
+  }
+}
+
+void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_t first_seed,
+                   bool print_each) {
   constexpr double kChangeS = 30.0;
   Row row;
   for (int i = 0; i < trials; ++i) {
@@ -157,6 +171,7 @@ void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_
       return changed(camera, [&](Intrinsics* p) { kind.apply(p, share * kind.amount); });
     };
     const Outcome outcome = runScenario(scenario, camera, lens, kChangeS);
+    if (print_each) printTrial(scenario, outcome);
     if (!outcome.converged_at_change) continue;
     ++row.trials;
     row.errors.push_back(pixelDistance(outcome.truth, outcome.report.camera).rms);
@@ -175,13 +190,14 @@ void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_
   printRow(kind, model, row);
 }
 
-int benchmarkDelays(int trials, std::uint64_t first_seed) {
+int benchmarkDelays(int trials, std::uint64_t first_seed, const std::string& asked) {
   for (const Kind& kind : kinds()) {
+    if (std::string(kind.name).find(asked) == std::string::npos) continue;
     for (const CameraModel model : {CameraModel::kPinhole, CameraModel::kFov, CameraModel::kRadtan,
                                     CameraModel::kEquidistant}) {
       const bool no_distortion = model == CameraModel::kPinhole && kind.apply != nullptr &&
                                  std::string(kind.name).rfind("distortion", 0) == 0;
-      if (!no_distortion) benchmarkKind(kind, model, trials, first_seed);
+      if (!no_distortion) benchmarkKind(kind, model, trials, first_seed, !asked.empty());
     }
   }
   return 0;
@@ -240,7 +256,8 @@ int main(int argc, char** argv) {
     return argc > i ? std::atof(argv[i]) : otherwise;
   };
   if (mode == "delays") {
-    return benchmarkDelays(std::atoi(argv[2]), static_cast<std::uint64_t>(number(3, 1)));
+    return benchmarkDelays(std::atoi(argv[2]), static_cast<std::uint64_t>(number(3, 1)),
+                           argc > 4 ? argv[4] : "");
   }
   if (mode == "alarms" && argc > 3) {
     return benchmarkAlarms(std::atof(argv[2]), std::atof(argv[3]),
@@ -252,7 +269,7 @@ int main(int argc, char** argv) {
     return 0;
   }
   std::fprintf(stderr,
-               "usage: change_benchmark delays TRIALS [FIRST_SEED]\n"
+               "usage: change_benchmark delays TRIALS [FIRST_SEED] [KIND]\n"
                "       change_benchmark alarms HOURS RATE [FIRST_SEED]\n"
                "       change_benchmark many CHANGES [SECONDS] [SEED]\n");
   return 1;

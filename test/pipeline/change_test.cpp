@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "benchmark/changing_tracks.h"
+#include "benchmark/random_lens.h"
 #include "calibration/change_samples.h"
 #include "pipeline/track_run.h"
 #include "sanitized.h"
@@ -79,6 +81,31 @@ TEST(Change, ASecondOneSoonAfterTheFirstIsNoticedToo) {
     const CalibrationReport report = run.report();
     EXPECT_LT(pixelDistance(after, report.camera).rms, 1.0) << toString(before.model());
   }
+}
+
+// Its first stretches do not contradict the queue, which takes them in: then the focal length
+// seemed to drift, and no test of the newest stretches against that queue said otherwise.
+TEST(Change, ASmallStepIsNotTakenForADrift) {
+  constexpr double kStepS = 30.0;
+  ChangingTracks options;
+  options.seed = 7001;
+  const Camera before = randomLens(CameraModel::kRadtan, 640, 480, options.seed).camera;
+  const Camera after = zoomed(before, 1.01);
+  FeatureTracks tracks =
+      makeTracks(options, before, [&](double t) { return t < kStepS ? before : after; });
+  Record record;
+  Options calibration = optionsFor(before.model());
+  calibration.tracker.max_features = options.features;
+  SelfCalibrator calibrator(calibration, SelfCalibrator::Mode::kInline, record.callbacks());
+  for (int i = 0; i < 450 && firstChange(record) == nullptr; ++i) {
+    const TrackedFrame frame = tracks.track(kChangingTracksStartNs + i * 100000000LL);
+    calibrator.processTracks(frame, [&] { return tracks.detect(); });
+  }
+  const Event* change = firstChange(record);
+  ASSERT_NE(change, nullptr);
+  EXPECT_GT(since(change->stamp_ns), kStepS);
+  EXPECT_NEAR(since(change->onset_stamp_ns), kStepS, 3.0);
+  EXPECT_NEAR(change->magnitude_px / pixelDistance(before, after).rms, 1.0, 0.3);
 }
 
 TEST(Change, PosesGoOnAcrossIt) {

@@ -38,7 +38,8 @@ struct ChangeVerdict {
 /// Tells whether the intrinsics changed, with a stated rate of false alarms. Fast: a suspicion from
 /// the frames' innovations, confirmed by a likelihood ratio over the newest window with the lens
 /// before the suspected onset held (testLensChange). Slow: disjoint windows, one by one and the
-/// newest two, four and eight together, against the queue without what overlaps them (agreement).
+/// newest two, four and eight together, against the queue without what overlaps them (agreement),
+/// and, where the queue may hold some from after a small step, all for such a step (estimateStep).
 /// Every keyframe spends the share `rate * interval / 3600 s` of the allowed false alarms, over all
 /// its tests (Bonferroni). An alarm of the newest window is raised when a few keyframes in a row
 /// find the same new lens: a window solved into a wrong minimum says something else at each
@@ -102,6 +103,7 @@ class ChangeDetector {
   bool isNewStretch(std::int64_t begin_ns) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const Evidence& evidence);
   ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;
+  ChangeVerdict examineStep(const QueueEstimate& queue, const QueueSolution& solution) const;
   ChangeVerdict explain(const Reference& reference, double p_value, const QueueEstimate& queue,
                         bool drifting) const;
 

@@ -84,6 +84,13 @@ class SlidingWindow {
   }
 
  private:
+  // An estimate of the calibration, and the length of the way to it from the first one on [px rms]:
+  // two are no further apart than their ways differ.
+  struct Generation {
+    Camera camera;
+    double way_px = 0.0;
+  };
+
   bool negligiblyFarFrom(const Camera& camera) const;
   void setCamera(const Camera& camera, std::uint64_t generation, bool trusted);
   void solveUnconditioned();
@@ -92,6 +99,7 @@ class SlidingWindow {
   std::vector<std::int64_t> tracksAtOdds(const Rigid3& pose,
                                          const std::vector<Track>& tracks) const;
   double medianDepthOf(const Segment& solution, const Keyframe& newest) const;
+  bool nearTrueCamera(const Keyframe& keyframe) const;
   int conditioningCount() const;
   void keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth, Segment* segment) const;
   void takeGeneration(Segment* segment) const;
@@ -102,7 +110,7 @@ class SlidingWindow {
   Camera camera_;
   std::uint64_t generation_ = 0;
   bool trusted_ = false;
-  std::map<std::uint64_t, Camera> generations_;  // of the keyframes in the map
+  std::map<std::uint64_t, Generation> generations_;  // of the keyframes in the map
   Map map_;
   // Median when parallax told it last; at first that of new points. Where nothing tells the depths,
   // such as while the camera turns on the spot, they and the scale stay about there, and in front

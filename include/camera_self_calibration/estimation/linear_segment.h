@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/geometry/panel.h"
 #include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/segment_structure.h"
@@ -119,9 +120,8 @@ class LinearSegment {
   template <int kTail>
   void eliminateLandmarks(double damping);
   template <int kTail, int kDimension>
-  void eliminateLandmark(std::size_t landmark);
-  template <int kTail, int kDimension>
-  void whiten(std::size_t landmark);
+  void whiten(std::size_t landmark, int first_pose, int poses, int column);
+  void subtractProduct(int first_pose, int poses);
   void eliminatePoses();
   Eigen::Vector3d landmarkStep(std::size_t landmark, const Eigen::Ref<const Eigen::VectorXd>& poses,
                                const Intrinsics& intrinsics) const;
@@ -163,7 +163,7 @@ class LinearSegment {
   // After eliminate(): Cholesky factors of the landmark blocks, the poses' system, the tail with
   // factors of the poses' eliminated.
   std::vector<Eigen::Matrix3d> landmark_cholesky_;
-  std::vector<double> whitened_;  // scratch: the whitened couplings of one landmark
+  Panel panel_;  // scratch: the whitened couplings of some landmarks
   Eigen::MatrixXd schur_;
   PseudoInverse poses_inverse_;
   Eigen::MatrixXd whitened_tail_;  // F^T S_pt, with S_pp^-1 = F F^T

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "camera_self_calibration/estimation/problem.h"
@@ -24,6 +25,8 @@ struct SegmentStructure {
     int first_entry = 0;
     int entries = 0;
     bool reference_free = false;
+    int first_pose = std::numeric_limits<int>::max();  ///< Of the free ones that it touches,
+    int last_pose = -1;                                ///< and the last.
 
     int rows() const { return dimension - (depth_fixed ? 1 : 0); }
   };
@@ -39,6 +42,7 @@ struct SegmentStructure {
   std::vector<LandmarkPlace> landmarks;        // as the segment's
   std::vector<ObservationPlace> observations;  // as the segment's
   std::vector<int> entry_poses;                // per entry: index of the free pose
+  std::vector<int> elimination_order;          // landmarks, by their first pose and their last
 
   /// Memory is kept from one segment to the next.
   void build(const SegmentBlock& block);
@@ -46,6 +50,7 @@ struct SegmentStructure {
  private:
   void placeLandmarks(const SegmentBlock& block);
   void sortByLandmark(const Segment& segment);
+  void sortByPoses();
   void placeObservation(const SegmentBlock& block, const Observation& observation,
                         ObservationPlace* place);
 

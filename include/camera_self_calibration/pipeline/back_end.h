@@ -86,6 +86,7 @@ class BackEnd {
   void considerCandidate(const KeyframeMessage& message, std::vector<Event>* events);
   bool foregone(const KeyframeMessage& message);
   void changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events);
+  void putAway(std::int64_t onset_ns);
   void followDrift(const ChangeVerdict& verdict);
   LensDrift presentDrift() const;
   void considerDrift();
@@ -114,10 +115,12 @@ class BackEnd {
   QueueSolution solution_;
   ChangeDetector detector_;
   RowTime row_time_;
-  int row_time_keyframes_ = 0;    // of the startup batch, when it was asked last
-  int swaps_since_row_time_ = 0;  // changes of the queue since it was asked for the row time
-  ImageField field_;              // the part of the image that sees
-  SettingArchive settings_;       // of earlier epochs
+  static constexpr int kFewSwaps = 5;
+  int row_time_keyframes_ = 0;     // of the startup batch, when it was asked last
+  int swaps_between_ = kFewSwaps;  // after which it is asked for again, once it is settled
+  int swaps_since_row_time_ = 0;   // changes of the queue since it was asked for the row time
+  ImageField field_;               // the part of the image that sees
+  SettingArchive settings_;        // of earlier epochs
   std::deque<std::pair<std::int64_t, Reference>> startup_course_;  // by stamp, of this epoch
   std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch
   bool handed_over_ = false;

@@ -4,13 +4,18 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "camera_self_calibration/tracking/local_motion.h"
+#include "camera_self_calibration/tracking/lucas_kanade.h"
 #include "camera_self_calibration/tracking/pyramid.h"
 
 namespace camera_self_calibration {
 
 /// Where the features of one image are in the next, to about a pixel: pyramidal Lucas-Kanade, and a
-/// check back on the finest level. Between images of different exposure the first is taken as
-/// bright as the second. Its errors do not matter beyond that, for registration follows.
+/// check back on the finest level. A few scouts are sought over all levels of the pyramid; what
+/// they find corrects the guesses of the others, which the two finest levels then suffice for. What
+/// is not found that way is sought over all levels, too. Between images of different exposure the
+/// first is taken as bright as the second. Its errors do not matter beyond that, for registration
+/// follows.
 class FlowPrediction {
  public:
   /// `predicted` holds a first guess for each point; on return the positions in `to`.
@@ -21,13 +26,23 @@ class FlowPrediction {
   bool found(std::size_t i) const { return found_[i] != 0; }
 
  private:
-  const std::vector<cv::Mat>& balanced(const ImagePyramid& from, const ImagePyramid& to);
+  void follow(const ImagePyramid& from, const ImagePyramid& to, int coarsest,
+              const std::vector<cv::Point2f>& points, std::vector<cv::Point2f>* predicted);
+  void correctGuesses(double reach, std::vector<cv::Point2f>* predicted);
+  template <typename Chosen>
+  void choose(const Chosen& chosen) {
+    chosen_.clear();
+    for (std::size_t i = 0; i < found_.size(); ++i) {
+      if (chosen(i)) chosen_.push_back(i);
+    }
+  }
 
-  std::vector<cv::Mat> balanced_;
+  LucasKanade lucas_kanade_;
+  float gain_ = 1.0f;  // brightness of the second image against that of the first
   std::vector<std::uint8_t> found_;
-  std::vector<std::uint8_t> found_back_;
-  std::vector<cv::Point2f> back_;
-  std::vector<float> unused_error_;
+  std::vector<std::size_t> chosen_;  // points that are followed together
+  std::vector<cv::Point2f> guesses_;
+  LocalMotion correction_;
 };
 
 }  // namespace camera_self_calibration

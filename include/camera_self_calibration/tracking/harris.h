@@ -24,8 +24,8 @@ class HarrisDetector {
   const std::vector<Corner>& detect(const ImagePyramid& image, int border, int cell);
 
  private:
-  void smoothedRow(const cv::Mat& derivatives, int y);
-  void respond(const ImagePyramid& image);
+  void smoothedRow(const cv::Mat& image, int y);
+  void respond(const cv::Mat& image);
   void findMaxima(int border);
   void order(int cell);
 

@@ -7,15 +7,13 @@
 
 namespace camera_self_calibration {
 
-/// Window of the flow prediction [px]; the pyramid's levels carry a border of this width. OpenCV
-/// takes eight pixels of a row at a time, and those left over one by one.
-constexpr int kFlowWindow = 16;
-
-/// An image at halved resolutions, with the derivatives that the flow prediction and the corner
-/// detection share. Pixel p of level 0 lies at p / 2^level. The image is copied, so that it need
-/// not live on; buffers are kept from one build to the next of the same size.
+/// An image at halved resolutions. Pixel p of level 0 lies at p / 2^level. The image is copied, so
+/// that it need not live on; buffers are kept from one build to the next of the same size.
 class ImagePyramid {
  public:
+  /// Each level goes on beyond its edges, mirrored, by so many pixels.
+  static constexpr int kBorder = 16;
+
   /// Whether the view describes an image at all.
   static bool usable(const ImageView& image);
 
@@ -24,12 +22,8 @@ class ImagePyramid {
 
   bool empty() const { return mats_.empty(); }
   cv::Size size() const { return empty() ? cv::Size() : mats_[0].size(); }
-  int levels() const { return static_cast<int>(mats_.size() / 2); }
-  const cv::Mat& level(int l) const { return mats_[2 * static_cast<std::size_t>(l)]; }
-  /// Scharr derivatives (16 bit, x and y interleaved, 32 times the gradient per pixel).
-  const cv::Mat& derivatives(int l) const { return mats_[2 * static_cast<std::size_t>(l) + 1]; }
-  /// Levels and derivatives in the order that cv::calcOpticalFlowPyrLK expects.
-  const std::vector<cv::Mat>& mats() const { return mats_; }
+  int levels() const { return static_cast<int>(mats_.size()); }
+  const cv::Mat& level(int l) const { return mats_[static_cast<std::size_t>(l)]; }
 
  private:
   std::vector<cv::Mat> mats_;
