@@ -22,12 +22,11 @@ constexpr double kByChance = 0.05;
 // Evidence of one block at its present state.
 Evidence linearized(const SegmentBlock& block, const Camera& camera) {
   const int count = camera.estimatedCount();
-  const double huber = SolverOptions().huber;
   LinearSegments only(1);
   LinearSegment& linear = only[0];
-  linear.linearize(block, camera, count, huber);
+  linear.linearize(block, camera, count, SolverOptions().huber, true);
   linear.eliminate(0.0);
-  const ReducedInformation told = discountedInformation(block, camera, huber, linear);
+  const ReducedInformation told = discountedInformation(block, linear);
   return {block.segment->beginNs(), block.segment->endNs(), camera.parameters().head(count),
           told.gradient, told.information};
 }

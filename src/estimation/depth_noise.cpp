@@ -8,7 +8,6 @@
 
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/robust.h"
-#include "camera_self_calibration/estimation/transfer.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -20,46 +19,35 @@ constexpr double kLeastShare = 0.1;
 // Largest share of noise that changes nothing worth the work: 0.1 % of a sigma.
 constexpr double kNegligible = 1e-3;
 
-// What one observation tells of translation and of inverse depth.
-struct DepthView {
-  Matrix23d d_translation;  // of the camera relative to the reference, in the world; with rho
-  Eigen::Vector3d square;   // J_rho^T J_rho and J_rho^T J_bearing
-  Eigen::Matrix2d bearing;  // J_bearing^T J_bearing
-};
-
-bool viewDepth(const SegmentBlock& block, const Observation& observation, const Camera& camera,
-               double huber, Transfers* transfers, DepthView* view) {
-  const Segment& segment = *block.segment;
-  const Landmark& landmark = segment.landmarks[observation.landmark];
-  const Transfer& transfer = transfers->between(landmark.reference, observation.keyframe);
-  Eigen::Vector3d ray;
-  Eigen::Vector2d pixel;
-  Matrix23d d_point;
-  if (!landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr) ||
-      !segment.cameraOf(observation.keyframe, camera)
-           .project(transfer(ray, landmark.inverse_depth), &pixel, &d_point)) {
-    return false;
-  }
-  const double sigma = observation.sigma * block.sigma_scale;
-  const HuberLoss loss(((observation.pixel - pixel) / sigma).squaredNorm(), huber);
-  d_point *= loss.root_weight / sigma;
-  const Eigen::Vector2d d_depth = d_point * transfer.translation;
-  const Eigen::Matrix<double, 2, 2> d_bearing =
-      d_point * transfer.rotation * tangentBasis(landmark.bearing);
-  view->square << d_depth.squaredNorm(), d_bearing.transpose() * d_depth;
-  view->bearing = d_bearing.transpose() * d_bearing;
-  view->d_translation = landmark.inverse_depth * d_point *
-                        transfers->poses()[observation.keyframe].rotation.transpose();
-  return true;
+// Information about one inverse depth, its bearing eliminated.
+double depthInformation(const Landmark& landmark, const Eigen::Matrix3d& h) {
+  if (landmark.anchored) return h(0, 0);
+  const double determinant = h(1, 1) * h(2, 2) - h(2, 1) * h(2, 1);
+  const double bearing =
+      h(2, 2) * h(1, 0) * h(1, 0) - 2.0 * h(2, 1) * h(1, 0) * h(2, 0) + h(1, 1) * h(2, 0) * h(2, 0);
+  const double rest = h(0, 0) - bearing / determinant;
+  return std::isfinite(rest) ? std::max(0.0, rest) : 0.0;
 }
 
-// Information about one inverse depth, its bearing eliminated.
-double depthInformation(const Landmark& landmark, const Eigen::Vector3d& square,
-                        const Eigen::Matrix2d& bearing) {
-  if (landmark.anchored) return square(0);
-  const Eigen::Vector2d coupling = square.tail<2>();
-  const double rest = square(0) - coupling.dot(bearing.ldlt().solve(coupling));
-  return std::isfinite(rest) ? std::max(0.0, rest) : 0.0;
+// Of each pair of keyframes, [reference * keyframes + observing]: noise in what its observations
+// tell of the translation between the two.
+std::vector<Eigen::Matrix3d> noiseBetween(const Segment& segment, const LinearSegment& linear) {
+  const std::size_t keyframes = segment.keyframes.size();
+  std::vector<double> shares(segment.landmarks.size());
+  for (std::size_t l = 0; l < shares.size(); ++l) {
+    const Landmark& landmark = segment.landmarks[l];
+    const double depth = depthInformation(landmark, linear.landmarkInformation(l));
+    shares[l] = 1.0 / (1.0 + landmark.inverse_depth * landmark.inverse_depth * depth);
+  }
+  std::vector<Eigen::Matrix3d> noise(keyframes * keyframes, Eigen::Matrix3d::Zero());
+  for (std::size_t o = 0; o < segment.observations.size(); ++o) {
+    const Observation& observation = segment.observations[o];
+    const int reference = segment.landmarks[observation.landmark].reference;
+    const Matrix32d& view = linear.translationView(o);
+    noise[reference * keyframes + observation.keyframe] +=
+        shares[observation.landmark] * view.lazyProduct(view.transpose());
+  }
+  return noise;
 }
 
 // Takes out what is told of the scale, which is the gauge's: N - N v v^T N / (v^T N v), v the
@@ -90,102 +78,88 @@ Eigen::MatrixXd rootOf(const Eigen::MatrixXd& noise) {
   return result;
 }
 
-// For each direction of the translations that noise tells of: how it shows in the gradient of the
-// intrinsics, and by how much its share of the covariance grows. Empty where that is negligible.
-struct Feigned {
-  Eigen::MatrixXd shows;
-  Eigen::VectorXd growth;
-};
-
-// `unit` scales the intrinsics' information to that of `factor`.
-Feigned feignedBy(const Eigen::MatrixXd& noise, const LinearSegment& linear, const Intrinsics& unit,
-                  const Eigen::LLT<Eigen::MatrixXd>& factor) {
-  const Eigen::MatrixXd root = rootOf(noise);
-  Eigen::MatrixXd shares;  // of noise, B^T S^-1 B: S is H without the landmarks
-  Eigen::MatrixXd shows;
-  linear.crossPoses(root, &shares, &shows);
-  shows = (unit.asDiagonal() * shows).eval();
-  shares += shows.transpose() * factor.solve(shows);
-  if (!shares.allFinite() || shares.trace() < kNegligible) return {};
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(shares);
-  // The covariance is sum w w^T / left^2 over the directions w = S^-1 B u / sqrt(share).
+// W f(M) W^T for columns W and M symmetric, with f(m) = (1 / l^2 - 1) / m, l = max(kLeastShare,
+// 1 - m).
+Eigen::MatrixXd grown(const Eigen::MatrixXd& w, const Eigen::MatrixXd& m) {
+  const auto one = Eigen::MatrixXd::Identity(m.rows(), m.cols());
+  if (Eigen::LLT<Eigen::MatrixXd>((1.0 - kLeastShare) * one - m).info() == Eigen::Success) {
+    // No l at its bound: f(M) = (1 - M)^-1 (2 - M) (1 - M)^-1.
+    const Eigen::MatrixXd x = Eigen::LLT<Eigen::MatrixXd>(one - m).solve(w.transpose());
+    return x.transpose() * (2.0 * x - m * x);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
   const auto growth = [](double share) {
     if (share < 1e-12) return 0.0;
     const double left = std::max(kLeastShare, 1.0 - share);
     return (1.0 / (left * left) - 1.0) / share;
   };
-  return {shows * eigen.eigenvectors(), eigen.eigenvalues().unaryExpr(growth)};
+  const Eigen::MatrixXd along = w * eigen.eigenvectors();
+  return along * eigen.eigenvalues().unaryExpr(growth).asDiagonal() * along.transpose();
 }
 
-// The information I where the covariance grows from I^-1 by I^-1 G D G^T I^-1.
-IntrinsicsMatrix lessened(const IntrinsicsMatrix& information,
-                          const Eigen::LLT<Eigen::MatrixXd>& factor, const Feigned& feigned) {
-  const Eigen::MatrixXd g = feigned.shows * feigned.growth.cwiseSqrt().asDiagonal();
-  Eigen::MatrixXd inner = g.transpose() * factor.solve(g);
-  inner.diagonal().array() += 1.0;
-  return information - g * inner.ldlt().solve(g.transpose());
+// K, where the covariance grows from I^-1 by I^-1 K I^-1. Empty where that is negligible. `unit`
+// scales the intrinsics' information to I, `factor` its factor.
+Eigen::MatrixXd feignedBy(const Eigen::MatrixXd& noise, const LinearSegment& linear,
+                          const Intrinsics& unit, const Eigen::LLT<Eigen::MatrixXd>& factor) {
+  const Eigen::MatrixXd root = rootOf(noise);  // B with B B^T = N
+  // Of all that H says, N takes the shares M = B^T (H^-1)_pp B; S is H without the landmarks.
+  Eigen::MatrixXd shares;  // B^T S_pp^-1 B at first
+  Eigen::MatrixXd shows;   // S_cp S_pp^-1 B: a change B of the poses in the intrinsics' gradient
+  linear.crossPoses(root, &shares, &shows);
+  shows = (unit.asDiagonal() * shows).eval();
+  shares += shows.transpose() * factor.solve(shows);
+  if (!shares.allFinite() || shares.trace() < kNegligible) return {};
+  // A^-1 H A^-1 = H^-1 + H^-1 B f(M) B^T H^-1.
+  return grown(shows, shares);
 }
 
 }  // namespace
 
-Eigen::MatrixXd depthNoise(const SegmentBlock& block, const Camera& camera, double huber) {
-  const Segment& segment = *block.segment;
-  std::vector<DepthView> views(segment.observations.size());
-  std::vector<char> seen(views.size());
-  std::vector<Eigen::Vector3d> squares(segment.landmarks.size(), Eigen::Vector3d::Zero());
-  std::vector<Eigen::Matrix2d> bearings(squares.size(), Eigen::Matrix2d::Zero());
-  Transfers transfers(segment);
-  for (std::size_t o = 0; o < views.size(); ++o) {
-    const Observation& observation = segment.observations[o];
-    seen[o] = viewDepth(block, observation, camera, huber, &transfers, &views[o]);
-    if (seen[o] == 0) continue;
-    squares[observation.landmark] += views[o].square;
-    bearings[observation.landmark] += views[o].bearing;
-  }
+Eigen::MatrixXd depthNoise(const SegmentBlock& block, const LinearSegment& linear) {
+  const int keyframes = static_cast<int>(block.segment->keyframes.size());
   const int fixed = block.fixed_keyframes;
-  const int free = std::max<int>(0, static_cast<int>(segment.keyframes.size()) - fixed);
+  const int free = std::max(0, keyframes - fixed);
+  const std::vector<Eigen::Matrix3d> between = noiseBetween(*block.segment, linear);
   Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(3 * free, 3 * free);
-  for (std::size_t o = 0; o < views.size(); ++o) {
-    const int l = segment.observations[o].landmark;
-    const Landmark& landmark = segment.landmarks[l];
-    const int i = 3 * (segment.observations[o].keyframe - fixed);
-    const int r = 3 * (landmark.reference - fixed);
-    if (seen[o] == 0 || i == r) continue;
-    const double depth = depthInformation(landmark, squares[l], bearings[l]);
-    const double share = 1.0 / (1.0 + landmark.inverse_depth * landmark.inverse_depth * depth);
-    const Eigen::Matrix3d own = share * views[o].d_translation.transpose() * views[o].d_translation;
-    if (i >= 0) noise.block<3, 3>(i, i) += own;
-    if (r >= 0) noise.block<3, 3>(r, r) += own;
-    if (i < 0 || r < 0) continue;
-    noise.block<3, 3>(i, r) -= own;
-    noise.block<3, 3>(r, i) -= own;
+  for (int reference = 0; reference < keyframes; ++reference) {
+    for (int observing = 0; observing < keyframes; ++observing) {
+      if (reference == observing) continue;
+      const Eigen::Matrix3d& own = between[reference * keyframes + observing];
+      const int r = 3 * (reference - fixed);
+      const int i = 3 * (observing - fixed);
+      if (i >= 0) noise.block<3, 3>(i, i) += own;
+      if (r >= 0) noise.block<3, 3>(r, r) += own;
+      if (i < 0 || r < 0) continue;
+      noise.block<3, 3>(i, r) -= own;
+      noise.block<3, 3>(r, i) -= own;
+    }
   }
   forgetScale(block, &noise);
   return noise;
 }
 
 ReducedInformation reducedInformation(const LinearSegment& linear) {
-  return {linear.reducedHessian(), linear.hasScores() ? linear.trackScores() : IntrinsicsMatrix(),
-          linear.reducedGradient()};
+  return {linear.reducedHessian(), linear.trackScores(), linear.reducedGradient()};
 }
 
-ReducedInformation discountedInformation(const SegmentBlock& block, const Camera& camera,
-                                         double huber, const LinearSegment& linear) {
+ReducedInformation discountedInformation(const SegmentBlock& block, const LinearSegment& linear) {
   const ReducedInformation plain = reducedInformation(linear);
   const Intrinsics unit = plain.information.diagonal().unaryExpr(&inverseRoot);
-  const IntrinsicsMatrix scaled = unit.asDiagonal() * plain.information * unit.asDiagonal();
+  const Eigen::MatrixXd scaled = unit.asDiagonal() * plain.information * unit.asDiagonal();
   const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
   if (linear.poseColumns() == 0 || factor.info() != Eigen::Success) return plain;
-  const Feigned feigned = feignedBy(depthNoise(block, camera, huber), linear, unit, factor);
-  if (feigned.growth.size() == 0) return plain;
-  const IntrinsicsMatrix honest = lessened(scaled, factor, feigned);
+  const Eigen::MatrixXd feigned = feignedBy(depthNoise(block, linear), linear, unit, factor);
+  if (feigned.size() == 0) return plain;
+  // (I^-1 + I^-1 K I^-1)^-1 = I (I + K)^-1 I
+  const Eigen::LLT<Eigen::MatrixXd> grown_factor(scaled + feigned);
+  const Eigen::MatrixXd half = grown_factor.matrixL().solve(scaled);
+  const Eigen::MatrixXd honest = half.transpose() * half;
   const Eigen::LLT<Eigen::MatrixXd> honest_factor(honest);
   if (!honest.allFinite() || honest_factor.info() != Eigen::Success) return plain;
   const auto back = unit.cwiseInverse().asDiagonal();
   ReducedInformation result;
   result.information = back * honest * back;
   result.gradient = back * (honest * factor.solve(unit.cwiseProduct(plain.gradient)));
-  if (plain.track_scores.size() == 0) return result;
   // With I = L L^T and I' = L' L'^T: T = L' L^-1 makes I' = T I T^T.
   const Eigen::MatrixXd inverse = factor.matrixL().solve(Eigen::MatrixXd(unit.asDiagonal()));
   const Eigen::MatrixXd turn = back * Eigen::MatrixXd(honest_factor.matrixL()) * inverse;

@@ -26,9 +26,8 @@ Marginal marginalize(const Problem& problem, double huber, int threads, DepthNoi
   parallelFor(threads, blocks, [&](int i) {
     linear[i].linearize(problem.blocks[i], *problem.camera, count, huber, true);
     linear[i].eliminate(0.0);
-    reduced[i] = noise == DepthNoise::kCounts
-                     ? reducedInformation(linear[i])
-                     : discountedInformation(problem.blocks[i], *problem.camera, huber, linear[i]);
+    reduced[i] = noise == DepthNoise::kCounts ? reducedInformation(linear[i])
+                                              : discountedInformation(problem.blocks[i], linear[i]);
   });
   Marginal marginal;
   marginal.information.setZero(count, count);

@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <cmath>
+#include <vector>
 
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "estimation/sample_segments.h"
 
@@ -38,6 +42,66 @@ Eigen::VectorXd sharesKept(const Marginal& honest, const Marginal& plain) {
   const Eigen::MatrixXd b = plain.information;
   return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(a, b, Eigen::EigenvaluesOnly)
       .eigenvalues();
+}
+
+// Of the landmarks' inverse depths and, unless they are anchored, bearings.
+std::vector<Eigen::Matrix3d> landmarkInformation(const Segment& segment,
+                                                 const std::vector<PredictionJacobians>& views) {
+  std::vector<Eigen::Matrix3d> information(segment.landmarks.size(), Eigen::Matrix3d::Zero());
+  for (std::size_t o = 0; o < views.size(); ++o) {
+    const Observation& observation = segment.observations[o];
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    Eigen::Matrix<double, 2, 3> own;
+    own << views[o].inverse_depth, views[o].ray * tangentBasis(landmark.bearing);
+    information[observation.landmark] += own.transpose() * own / std::pow(observation.sigma, 2);
+  }
+  return information;
+}
+
+// As depth_noise.h says it, from every observation's derivatives; other keyframes hold the scale.
+Eigen::MatrixXd expectedNoise(const Segment& segment, const Camera& camera, int fixed) {
+  std::vector<PredictionJacobians> views(segment.observations.size());
+  for (std::size_t o = 0; o < views.size(); ++o) {
+    const Observation& observation = segment.observations[o];
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    Eigen::Vector3d ray;
+    Eigen::Vector2d pixel;
+    EXPECT_TRUE(landmarkRay(camera, landmark, &ray, nullptr));
+    EXPECT_TRUE(
+        predictPixel(camera, PoseMatrices(segment.keyframes[landmark.reference].world_from_camera),
+                     PoseMatrices(segment.keyframes[observation.keyframe].world_from_camera), ray,
+                     landmark.inverse_depth, false, &pixel, &views[o]));
+  }
+  const std::vector<Eigen::Matrix3d> information = landmarkInformation(segment, views);
+  const auto count = static_cast<Eigen::Index>(segment.keyframes.size());
+  Eigen::MatrixXd noise = Eigen::MatrixXd::Zero(3 * count, 3 * count);
+  for (std::size_t o = 0; o < views.size(); ++o) {
+    const Observation& observation = segment.observations[o];
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    if (observation.keyframe == landmark.reference) continue;
+    const Eigen::Matrix3d& told = information[observation.landmark];
+    const double variance =
+        landmark.anchored ? 1.0 / told(0, 0) : Eigen::Matrix3d(told.inverse())(0, 0);
+    const double share = variance / (variance + std::pow(landmark.inverse_depth, 2));
+    Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(2, 3 * count);
+    moves.middleCols<3>(3 * observation.keyframe) = views[o].observing_pose.leftCols<3>();
+    moves.middleCols<3>(3 * landmark.reference) = -views[o].observing_pose.leftCols<3>();
+    noise += share * moves.transpose() * moves / std::pow(observation.sigma, 2);
+  }
+  return noise.bottomRightCorner(3 * (count - fixed), 3 * (count - fixed));
+}
+
+TEST(DepthNoiseTest, IsTheUncertainDepthsShare) {
+  for (const Camera& truth : ordinaryCameras()) {
+    Solved solved(truth, 1.0);
+    SegmentBlock block = freeBlock(&solved.segment, solved.camera);
+    block.fixed_keyframes = 2;
+    LinearSegment linear;
+    linear.linearize(block, solved.camera, truth.estimatedCount(), 1e6, true);
+    const Eigen::MatrixXd expected = expectedNoise(solved.segment, solved.camera, 2);
+    EXPECT_LT((depthNoise(block, linear) - expected).norm(), 1e-6 * expected.norm())
+        << toString(truth.model());
+  }
 }
 
 TEST(DepthNoiseTest, NothingChangesWhereDepthsAreKnown) {

@@ -13,16 +13,16 @@ namespace camera_self_calibration {
 /// rho^2 the share `sigma^2 / (sigma^2 + rho^2)` is noise, sigma the deviation of rho with poses
 /// and intrinsics held. All landmarks count, a fixed one too, and the scale of all positions
 /// does not: what follows does not depend on the choice of gauge.
-Eigen::MatrixXd depthNoise(const SegmentBlock& block, const Camera& camera, double huber);
+Eigen::MatrixXd depthNoise(const SegmentBlock& block, const LinearSegment& linear);
 
 /// What a block tells of the intrinsics when poses and landmarks are eliminated.
 struct ReducedInformation {
   IntrinsicsMatrix information;
-  IntrinsicsMatrix track_scores;  ///< Empty if `linear` was not linearised for scores.
+  IntrinsicsMatrix track_scores;  ///< As LinearSegment::trackScores.
   Intrinsics gradient;
 };
 
-/// `linear`, the eliminated system of the block at its present state, as it is.
+/// `linear`, the block's system, linearised for a marginal and eliminated undamped, as it is.
 ReducedInformation reducedInformation(const LinearSegment& linear);
 
 /// The same with what depthNoise() feigns discounted. Were the inverse depths known, the Hessian
@@ -30,7 +30,6 @@ ReducedInformation reducedInformation(const LinearSegment& linear);
 /// `A^-1 H A^-1`. In the directions in which N takes nearly all, A stays at a small share of H: the
 /// result is positive semidefinite and in no direction more than `linear` says. Score and gradient
 /// follow, so that design effect and Gauss-Newton step stay the same.
-ReducedInformation discountedInformation(const SegmentBlock& block, const Camera& camera,
-                                         double huber, const LinearSegment& linear);
+ReducedInformation discountedInformation(const SegmentBlock& block, const LinearSegment& linear);
 
 }  // namespace camera_self_calibration
