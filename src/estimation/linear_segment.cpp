@@ -340,8 +340,20 @@ void LinearSegment::crossPoses(const Eigen::MatrixXd& columns, Eigen::MatrixXd* 
                                Eigen::MatrixXd* to_intrinsics) const {
   Eigen::MatrixXd whitened;
   poses_inverse_.whiten(columns, &whitened);
-  *among_poses = whitened.transpose() * whitened;
-  *to_intrinsics = whitened_tail_.leftCols(intrinsics_count_).transpose() * whitened;
+  const auto own = static_cast<int>(whitened.cols());
+  Panel panel;  // all products at once
+  panel.reset(own + intrinsics_count_, static_cast<int>(whitened.rows()));
+  for (Eigen::Index c = 0; c < whitened.rows(); ++c) {
+    Eigen::Map<Eigen::RowVectorXd> column(panel.column(static_cast<int>(c)),
+                                          own + intrinsics_count_);
+    column << whitened.row(c), whitened_tail_.row(c).head(intrinsics_count_);
+  }
+  panel.multiply();
+  using Product = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+  const Product product(panel.product(0), own + intrinsics_count_, own,
+                        Eigen::OuterStride<>(panel.pitch()));
+  *among_poses = product.topRows(own).selfadjointView<Eigen::Lower>();
+  *to_intrinsics = product.bottomRows(intrinsics_count_);
 }
 
 double LinearSegment::curvature(const Eigen::Ref<const Eigen::VectorXd>& own,
