@@ -111,8 +111,8 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
   if (freedom > 0) inflation_ = std::sqrt(std::max(1.0, chi_square / freedom));
   solution.inflation = inflation_;
   const double variance = solution.inflation * solution.inflation;
-  const Marginal marginal = marginalize(problem, options.huber, threads_);
-  solution.information = marginal.information / variance;
+  const Marginal marginal = marginalize(problem, options.huber, threads_, DepthNoise::kDiscounted);
+  solution.information = marginal.whole_information / variance;
   if (const auto covariance = marginal.robustCovariance()) {
     solution.covariance = variance * *covariance;
   }

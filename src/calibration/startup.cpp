@@ -208,6 +208,7 @@ void Startup::judge() {
   options.max_iterations = told_ ? 10 : 4;
   options.cost_tolerance = 1e-5;  // a hundredth of a sigma
   options.prior = options_.growth.prior;
+  options.depth_noise = DepthNoise::kDiscounted;
   const SegmentFit fit = fitSegment(options, &gated, &camera);
   if (!fit.usable || !camera.valid()) return;
   camera_ = camera;

@@ -54,10 +54,10 @@ struct LinearSegment::Row {
 };
 
 void LinearSegment::linearize(const SegmentBlock& block, const Camera& camera, int intrinsics_count,
-                              double huber, bool for_scores) {
+                              double huber, bool for_marginal) {
   intrinsics_count_ = intrinsics_count;
   tail_ = tailColumns(intrinsics_count);
-  for_scores_ = for_scores;
+  for_marginal_ = for_marginal;
   structure_.build(block);
   layOut();
   relinearize(block, camera, huber);
@@ -86,13 +86,15 @@ void LinearSegment::layOut() {
     scores += columns;
   }
   couplings_.resize(values);
-  scores_.resize(for_scores_ ? scores : 0);
+  scores_.resize(for_marginal_ ? scores : 0);
 }
 
 void LinearSegment::clearSums() {
   std::fill(couplings_.begin(), couplings_.end(), 0.0);
   std::fill(scores_.begin(), scores_.end(), 0.0);
   landmark_hessian_.assign(structure_.landmarks.size(), Eigen::Matrix3d::Zero());
+  held_landmark_.setZero();
+  translation_views_.assign(for_marginal_ ? structure_.observations.size() : 0, Matrix32d::Zero());
   const auto width = static_cast<std::size_t>(kLocal + tail_);
   pair_products_.assign(structure_.pairs.size() * width * width, 0.0);
   normal_.setZero(poseColumns() + tail_, poseColumns() + tail_);
@@ -138,6 +140,7 @@ void LinearSegment::addObservations(const SegmentBlock& block, const Camera& cam
       cost_ += unpredictableCost(observation.sigma, huber);
       continue;
     }
+    if (for_marginal_) translation_views_[o] = row.x.template topRows<3>();
     const auto offset = static_cast<std::size_t>(place.pair) * Product::SizeAtCompileTime;
     // Eigen would call its kernel for large matrices.
     Eigen::Map<Product>(pair_products_.data() + offset) += row.x.lazyProduct(row.x.transpose());
@@ -220,14 +223,18 @@ void LinearSegment::addToLandmark(const SegmentStructure::ObservationPlace& plac
                                   const Row<kTail>& row) {
   const SegmentStructure::LandmarkPlace& landmark_place = structure_.landmarks[landmark];
   Eigen::Matrix<double, kDimension, 2> own = row.landmark.template topRows<kDimension>();
-  if (landmark_place.depth_fixed) own.row(0).setZero();
+  if (landmark_place.depth_fixed) {
+    held_landmark_.template topLeftCorner<kDimension, kDimension>() +=
+        own.lazyProduct(own.transpose());
+    own.row(0).setZero();
+  }
   landmark_hessian_[landmark].template topLeftCorner<kDimension, kDimension>() +=
       own.lazyProduct(own.transpose());
   const Eigen::Matrix<double, kLocal + kTail, kDimension> coupling =
       row.x.lazyProduct(own.transpose());
   addCoupling<kTail, kDimension>(place, landmark_place, coupling,
                                  couplings_.data() + coupling_begin_[landmark]);
-  if (!for_scores_) return;
+  if (!for_marginal_) return;
   const Eigen::Matrix<double, kLocal + kTail, 1> share =
       row.x * row.x.template bottomRows<1>().transpose();
   addCoupling<kTail, 1>(place, landmark_place, share, scores_.data() + score_begin_[landmark]);
@@ -327,6 +334,26 @@ Intrinsics LinearSegment::intrinsicsGradient() const {
 
 Intrinsics LinearSegment::intrinsicsDiagonal() const {
   return normal_.diagonal().segment(poseColumns(), intrinsics_count_);
+}
+
+void LinearSegment::crossPoses(const Eigen::MatrixXd& columns, Eigen::MatrixXd* among_poses,
+                               Eigen::MatrixXd* to_intrinsics) const {
+  Eigen::MatrixXd whitened;
+  poses_inverse_.whiten(columns, &whitened);
+  const auto own = static_cast<int>(whitened.cols());
+  Panel panel;  // all products at once
+  panel.reset(own + intrinsics_count_, static_cast<int>(whitened.rows()));
+  for (Eigen::Index c = 0; c < whitened.rows(); ++c) {
+    Eigen::Map<Eigen::RowVectorXd> column(panel.column(static_cast<int>(c)),
+                                          own + intrinsics_count_);
+    column << whitened.row(c), whitened_tail_.row(c).head(intrinsics_count_);
+  }
+  panel.multiply();
+  using Product = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+  const Product product(panel.product(0), own + intrinsics_count_, own,
+                        Eigen::OuterStride<>(panel.pitch()));
+  *among_poses = product.topRows(own).selfadjointView<Eigen::Lower>();
+  *to_intrinsics = product.bottomRows(intrinsics_count_);
 }
 
 double LinearSegment::curvature(const Eigen::Ref<const Eigen::VectorXd>& own,

@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "camera_self_calibration/estimation/depth_noise.h"
 #include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/parallel.h"
 
@@ -17,23 +18,28 @@ double Marginal::residualScale() const {
   return freedom > 0 ? std::sqrt(2.0 * cost / freedom) : 1.0;
 }
 
-Marginal marginalize(const Problem& problem, double huber, int threads) {
+Marginal marginalize(const Problem& problem, double huber, int threads, DepthNoise noise) {
   const int blocks = static_cast<int>(problem.blocks.size());
   const int count = problem.intrinsicsCount();
   LinearSegments linear(problem.blocks.size());
+  std::vector<ReducedInformation> reduced(problem.blocks.size());
   parallelFor(threads, blocks, [&](int i) {
     linear[i].linearize(problem.blocks[i], *problem.camera, count, huber, true);
     linear[i].eliminate(0.0);
+    reduced[i] = noise == DepthNoise::kCounts ? reducedInformation(linear[i])
+                                              : discountedInformation(problem.blocks[i], linear[i]);
   });
   Marginal marginal;
   marginal.information.setZero(count, count);
+  marginal.whole_information.setZero(count, count);
   marginal.track_scores.setZero(count, count);
   marginal.gradient.setZero(count);
   marginal.variables = count;
   for (int i = 0; i < blocks; ++i) {
-    marginal.information += linear[i].reducedHessian();
-    marginal.track_scores += linear[i].trackScores();
-    marginal.gradient += linear[i].reducedGradient();
+    marginal.information += reduced[i].information;
+    marginal.whole_information += linear[i].reducedHessian();
+    marginal.track_scores += reduced[i].track_scores;
+    marginal.gradient += reduced[i].gradient;
     marginal.cost += linear[i].cost();
     marginal.observations += static_cast<int>(problem.blocks[i].segment->observations.size());
     marginal.variables += linear[i].variables();

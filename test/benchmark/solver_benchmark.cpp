@@ -74,6 +74,14 @@ void marginal(benchmark::State& state, bool ours) {
   time(state, &scene, [ours](SolverScene* s) { ours ? marginalOurs(s, 1) : marginalCeres(s, 1); });
 }
 
+// What honest sigmas cost: as at every keyframe, and the information as it is.
+void information(benchmark::State& state, DepthNoise noise) {
+  SolverScene scene(Kind::kCandidate);
+  time(state, &scene, [noise](SolverScene* s) {
+    benchmark::DoNotOptimize(marginalize(s->problem(), kHuber, 1, noise));
+  });
+}
+
 void queue(benchmark::State& state, bool ours) {
   SolverScene scene(Kind::kQueue);
   const int threads = static_cast<int>(state.range(0));
@@ -101,6 +109,8 @@ BENCHMARK_CAPTURE(candidate, ours, true)->Unit(kMs);
 BENCHMARK_CAPTURE(candidate, ceres, false)->Unit(kMs);
 BENCHMARK_CAPTURE(marginal, ours, true)->Unit(kMs);
 BENCHMARK_CAPTURE(marginal, ceres, false)->Unit(kMs);
+BENCHMARK_CAPTURE(information, plain, DepthNoise::kCounts)->Unit(kMs);
+BENCHMARK_CAPTURE(information, honest, DepthNoise::kDiscounted)->Unit(kMs);
 BENCHMARK_CAPTURE(queue, ours, true)->Arg(1)->Arg(2)->Unit(kMs)->UseRealTime();
 BENCHMARK_CAPTURE(queue, ceres, false)->Arg(1)->Arg(2)->Unit(kMs)->UseRealTime();
 BENCHMARK_CAPTURE(batch, ceres, false)->Arg(100)->Arg(300)->Arg(600)->Arg(1200)->Unit(kMs);

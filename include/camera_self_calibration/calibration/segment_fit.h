@@ -18,6 +18,7 @@ struct SegmentFitOptions {
   double cost_tolerance = 1e-7;
   /// SolverOptions::intrinsics_tolerance of the last solution.
   double intrinsics_tolerance = 0.0;
+  DepthNoise depth_noise = DepthNoise::kCounts;  ///< In the marginal.
   IntrinsicsPrior prior = {};  ///< Vague, against runaways; the marginal does not contain it.
 };
 

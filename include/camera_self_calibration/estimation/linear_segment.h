@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
-#include "camera_self_calibration/geometry/panel.h"
 #include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/segment_structure.h"
 #include "camera_self_calibration/estimation/transfer.h"
+#include "camera_self_calibration/geometry/panel.h"
 
 namespace camera_self_calibration {
 
@@ -23,9 +23,10 @@ namespace camera_self_calibration {
 class LinearSegment {
  public:
   /// Linearises at the block's present state. `huber` is the threshold on the whitened residual's
-  /// norm above which it counts linearly. `for_scores`: trackScores() is going to be asked for.
+  /// norm above which it counts linearly. `for_marginal`: trackScores() and what tells of the
+  /// depths are going to be asked for.
   void linearize(const SegmentBlock& block, const Camera& camera, int intrinsics_count,
-                 double huber, bool for_scores = false);
+                 double huber, bool for_marginal = false);
   /// The same at another state of the same block, whose keyframes, landmarks and observations are
   /// still those of the last `linearize`.
   void relinearize(const SegmentBlock& block, const Camera& camera, double huber);
@@ -59,6 +60,24 @@ class LinearSegment {
   /// reducedHessian() in expectation if all residuals are independent and the sigmas right; larger
   /// by what is correlated along a track.
   IntrinsicsMatrix trackScores() const;
+
+  /// After linearize(.., true), of one observation, whitened and transposed: the derivative of its
+  /// pixel by the translation of the reference camera relative to the observing one, in the world.
+  /// 0 where these are the same, or where there is no prediction.
+  const Matrix32d& translationView(std::size_t observation) const {
+    return translation_views_[observation];
+  }
+  /// After linearize(.., true): H of a landmark's inverse depth and, unless it is anchored, its
+  /// bearing; lower triangle. A held depth has it too.
+  const Eigen::Matrix3d& landmarkInformation(std::size_t landmark) const {
+    return structure_.landmarks[landmark].depth_fixed ? held_landmark_
+                                                      : landmark_hessian_[landmark];
+  }
+
+  /// After eliminate(0), for columns B of poseColumns() rows, with S the poses' and intrinsics'
+  /// system without landmarks: `B^T S_pp^-1 B` and `S_cp S_pp^-1 B`.
+  void crossPoses(const Eigen::MatrixXd& columns, Eigen::MatrixXd* among_poses,
+                  Eigen::MatrixXd* to_intrinsics) const;
 
   /// The Gauss-Newton change of the segment's variables, given that of the intrinsics (n_c).
   void backSubstitute(const Intrinsics& intrinsics_step, Eigen::Ref<Eigen::VectorXd> own) const;
@@ -132,7 +151,7 @@ class LinearSegment {
 
   int intrinsics_count_ = 0;
   int tail_ = 2;  // intrinsics, zeros, right-hand side
-  bool for_scores_ = false;
+  bool for_marginal_ = false;
   double cost_ = 0.0;
   SegmentStructure structure_;
   Transfers transfers_;
@@ -149,6 +168,8 @@ class LinearSegment {
   std::vector<std::size_t> coupling_begin_;
   std::vector<double> couplings_;
   std::vector<Eigen::Matrix3d> landmark_hessian_;  // lower triangle
+  Eigen::Matrix3d held_landmark_;             // of the one whose depth is held, as if it were not
+  std::vector<Matrix32d> translation_views_;  // per observation
   // Per landmark, for each entry 6, then the tail: its track's share of the gradient.
   std::vector<std::size_t> score_begin_;
   std::vector<double> scores_;

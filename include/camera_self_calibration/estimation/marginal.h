@@ -11,6 +11,9 @@ struct Marginal {
   /// Inverse of the intrinsics' block of (J^T J)^-1 (eq. 4): the reduced system that is left when
   /// landmarks and poses are eliminated, undamped. n_c x n_c.
   IntrinsicsMatrix information;
+  /// The same with what noise in the inverse depths feigns, which DepthNoise::kDiscounted leaves
+  /// out of all else here.
+  IntrinsicsMatrix whole_information;
   /// `sum s s^T` over tracks (LinearSegment::trackScores), with the loss of degrees of freedom made
   /// up for: as `information` where residuals are independent, larger where they are correlated.
   IntrinsicsMatrix track_scores;
@@ -42,8 +45,15 @@ struct Marginal {
   std::optional<IntrinsicsMatrix> robustCovariance() const;
 };
 
+/// What of the information counts that noise in the inverse depths feigns (see depth_noise.h).
+enum class DepthNoise {
+  kCounts,     ///< All of it: eqs. 4 and 5 as they are.
+  kDiscounted  ///< As little as is honest: no change where parallax tells the depths well.
+};
+
 /// One fresh undamped linearisation (eqs. 4, 5).
-Marginal marginalize(const Problem& problem, double huber, int threads = 1);
+Marginal marginalize(const Problem& problem, double huber, int threads = 1,
+                     DepthNoise noise = DepthNoise::kCounts);
 
 /// Eigenvalues of an information matrix scaled to a unit diagonal, in increasing order: the
 /// smallest tells how well conditioned the estimate is, whatever the parameters' units.
