@@ -113,13 +113,13 @@ bool holdsWithoutAny(const std::vector<Saying>& sayings, const Intrinsics& direc
   return true;
 }
 
+}  // namespace
+
 Intrinsics alongFocalLength(const Intrinsics& point) {
   Intrinsics direction = Intrinsics::Zero(point.size());
   direction.head<2>() = point.head<2>();
   return direction;
 }
-
-}  // namespace
 
 LensDrift estimateDrift(const std::vector<Evidence>& queue, const std::vector<Evidence>& others,
                         const Camera& camera, std::int64_t now_ns) {

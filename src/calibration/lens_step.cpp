@@ -63,8 +63,8 @@ class Courses {
 Courses::Courses(const std::vector<Evidence>& stretches, const Camera& camera,
                  std::int64_t now_ns) {
   const Intrinsics point = camera.parameters().head(camera.estimatedCount());
-  direction_ = gradient_ = Intrinsics::Zero(point.size());
-  direction_.head<2>() = point.head<2>();
+  direction_ = alongFocalLength(point);
+  gradient_ = Intrinsics::Zero(point.size());
   IntrinsicsMatrix information = IntrinsicsMatrix::Zero(point.size(), point.size());
   for (const Evidence& stretch : stretches) {
     ages_.push_back(std::max(0.0, static_cast<double>(now_ns) - middle(stretch)));

@@ -8,6 +8,9 @@
 
 namespace camera_self_calibration {
 
+/// How the intrinsics at `point` change per relative change of the focal length: (fx, fy, 0, ..).
+Intrinsics alongFocalLength(const Intrinsics& point);
+
 /// The focal length's slow drift: stretch i shows the intrinsics `x_i = x + (fx, fy, 0, ..) s_i`
 /// with s a random walk that is 0 now (`var(s_i - s_j) = rate^2 |t_i - t_j|`), and all other
 /// intrinsics constant. The rate is that of the largest restricted likelihood, on a grid, where it
