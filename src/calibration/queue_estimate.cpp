@@ -120,7 +120,7 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
   return solution;
 }
 
-RowTimeEstimate QueueEstimate::rowTime(const QueueSolution& solution, double step_s) const {
+RowTimeEstimate QueueEstimate::rowTime(const QueueSolution& solution) const {
   std::vector<Segment> segments;
   for (const Candidate& candidate : candidates_) segments.push_back(candidate.segment);
   std::vector<SegmentBlock> blocks;
@@ -128,7 +128,7 @@ RowTimeEstimate QueueEstimate::rowTime(const QueueSolution& solution, double ste
     blocks.push_back(freeBlock(&segments[i], solution.camera));
     blocks.back().sigma_scale = candidates_[i].sigma_scale * solution.inflation;
   }
-  return estimateRowTime(blocks, solution.camera, IntrinsicsPrior(), step_s, threads_);
+  return estimateRowTime(blocks, solution.camera, IntrinsicsPrior(), threads_);
 }
 
 Camera QueueSolution::present() const {

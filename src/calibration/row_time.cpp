@@ -1,11 +1,14 @@
 #include "camera_self_calibration/calibration/row_time.h"
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
+#include <limits>
 
+#include "camera_self_calibration/estimation/linear_segments.h"
+#include "camera_self_calibration/estimation/parallel.h"
+#include "camera_self_calibration/estimation/pseudo_inverse.h"
+#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/estimation/transfer.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
@@ -14,62 +17,96 @@ namespace {
 // In sigmas: beyond, the shutter rolls without a doubt; and so far the value in use may be off.
 constexpr double kSignificant = 5.0;
 constexpr double kSmallPart = 0.5;
-// Readout times of a whole image [s]: steps of the profile, and what no camera exceeds.
-constexpr double kFirstStep = 1e-3;
-constexpr double kLeastStep = 5e-5;
-constexpr double kLargestStep = 5e-3;
+// Readout times of a whole image [s]: between the points of the profile, and what no camera exceeds.
+constexpr double kStep = 1e-3;
 constexpr double kLongest = 0.1;
 constexpr double kTypical = 0.02;  // where the shutter rolls, as half of all do
 
-struct Solved {
-  bool usable = false;
+// The quadratic model of the cost, at its least for one row time.
+struct ProfilePoint {
   double cost = 0.0;
-  Camera camera;
+  Eigen::VectorXd intrinsics_step;
 };
 
-Solved solveWith(double row_time_s, const std::vector<SegmentBlock>& blocks, const Camera& camera,
-                 const IntrinsicsPrior& prior, int threads) {
-  Solved solved;
-  solved.camera = camera;
-  std::vector<Segment> segments;
-  for (const SegmentBlock& block : blocks) segments.push_back(*block.segment);
-  Problem problem{&solved.camera, true, blocks, prior};
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    setRowTimeOfScene(row_time_s, camera, &segments[i]);
-    problem.blocks[i].segment = &segments[i];
+class Profile {
+ public:
+  Profile(const std::vector<SegmentBlock>& blocks, const Camera& camera,
+          const IntrinsicsPrior& prior, int threads)
+      : blocks_(blocks), camera_(camera), prior_(prior), threads_(threads), linear_(blocks.size()) {
+    for (const SegmentBlock& block : blocks) weighted_.push_back(weighted(block));
   }
-  SolverOptions options;
-  options.threads = threads;
-  options.max_iterations = 15;
-  options.step_tolerance = 1e-2;
-  options.cost_tolerance = 1e-5;  // of the three alike: a hundredth of their differences
-  const SolveSummary summary = solve(problem, options);
-  solved.usable = summary.usable && solved.camera.valid();
-  solved.cost = summary.final_cost;
-  return solved;
-}
+
+  ProfilePoint at(double row_time_s) {
+    const int count = camera_.estimatedCount();
+    parallelFor(threads_, static_cast<int>(blocks_.size()), [&](int i) {
+      Segment segment = weighted_[i];
+      setRowTimeOfScene(row_time_s, camera_, &segment);
+      SegmentBlock block = blocks_[i];
+      block.segment = &segment;
+      linear_[i].linearize(block, camera_, count, 0.0);
+      linear_[i].eliminate(0.0);
+    });
+    ProfilePoint point;
+    Eigen::MatrixXd information = prior_.weights(count).asDiagonal();
+    Eigen::VectorXd gradient = prior_.gradient(camera_.parameters(), count);
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      point.cost += linear_[i].reducedCost();
+      information += linear_[i].reducedHessian();
+      gradient += linear_[i].reducedGradient();
+    }
+    PseudoInverse inverse;
+    inverse.compute(information, LinearSegment::kRankTolerance);
+    point.intrinsics_step = inverse.solve(gradient);
+    point.cost -= 0.5 * gradient.dot(point.intrinsics_step);
+    return point;
+  }
+
+ private:
+  // The robust weights are part of the sigmas, the same at all points.
+  Segment weighted(const SegmentBlock& block) const {
+    Segment segment = *block.segment;
+    Transfers transfers;
+    predictObservations(
+        *block.segment, camera_, &transfers, [&](std::size_t o, const Eigen::Vector2d* pixel) {
+          Observation& observation = segment.observations[o];
+          if (pixel == nullptr) {
+            observation.sigma = std::numeric_limits<double>::infinity();
+            return;
+          }
+          const double sigma = observation.sigma * block.sigma_scale;
+          const Eigen::Vector2d residual = (observation.pixel - *pixel) / sigma;
+          observation.sigma /= HuberLoss(residual.squaredNorm(), SolverOptions().huber).root_weight;
+        });
+    return segment;
+  }
+
+  const std::vector<SegmentBlock>& blocks_;
+  const Camera& camera_;
+  const IntrinsicsPrior& prior_;
+  int threads_;
+  std::vector<Segment> weighted_;
+  LinearSegments linear_;
+};
 
 }  // namespace
 
 RowTimeEstimate estimateRowTime(const std::vector<SegmentBlock>& blocks, const Camera& camera,
-                                const IntrinsicsPrior& prior, double step_s, int threads) {
+                                const IntrinsicsPrior& prior, int threads) {
   RowTimeEstimate estimate;
   if (blocks.empty() || blocks.front().segment->keyframes.empty()) return estimate;
   const double present = blocks.front().segment->keyframes.front().row_time_s;
-  std::array<Solved, 3> at;
-  for (int i = 0; i < 3; ++i) {
-    at[i] = solveWith(present + (i - 1) * step_s, blocks, camera, prior, threads);
-    if (!at[i].usable) return estimate;
-  }
-  const double bend = (at[0].cost - 2.0 * at[1].cost + at[2].cost) / (step_s * step_s);
-  const double slope = (at[2].cost - at[0].cost) / (2.0 * step_s);
+  const double step = kStep / rowSteps(camera.height());
+  Profile profile(blocks, camera, prior, threads);
+  const ProfilePoint before = profile.at(present - step);
+  const ProfilePoint here = profile.at(present);
+  const ProfilePoint after = profile.at(present + step);
+  const double bend = (before.cost - 2.0 * here.cost + after.cost) / (step * step);
+  const double slope = (after.cost - before.cost) / (2.0 * step);
   if (!(bend > 0.0) || !std::isfinite(bend) || !std::isfinite(slope)) return estimate;
   estimate.usable = true;
   estimate.row_time_s = present - slope / bend;
   estimate.sigma_s = 1.0 / std::sqrt(bend);
-  const int count = camera.estimatedCount();
-  estimate.slope =
-      (at[2].camera.parameters() - at[0].camera.parameters()).head(count) / (2.0 * step_s);
+  estimate.slope = (after.intrinsics_step - before.intrinsics_step) / (2.0 * step);
   return estimate;
 }
 
@@ -106,11 +143,6 @@ double RowTime::doubt() const {
   const double share = prior / (prior + variance);
   const double mean_square = share * share * square + share * variance;
   return std::sqrt(mean_square * (1.0 - 1.0 / (1.0 + ratio)));
-}
-
-double RowTime::step() const {
-  if (!estimate_.usable) return kFirstStep / row_steps_;
-  return std::clamp(2.0 * estimate_.sigma_s, kLeastStep / row_steps_, kLargestStep / row_steps_);
 }
 
 }  // namespace camera_self_calibration

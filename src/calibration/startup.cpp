@@ -249,10 +249,10 @@ void Startup::setRowTime(double row_time_s) {
   if (usable_) judge();
 }
 
-RowTimeEstimate Startup::rowTime(double step_s) const {
+RowTimeEstimate Startup::rowTime() const {
   if (!tellsLens()) return RowTimeEstimate();
   Segment segment = gated_;
-  return estimateRowTime({freeBlock(&segment, camera_)}, camera_, options_.growth.prior, step_s, 1);
+  return estimateRowTime({freeBlock(&segment, camera_)}, camera_, options_.growth.prior, 1);
 }
 
 void Startup::considerK3(const Segment& gated) {

@@ -55,12 +55,12 @@ void BackEnd::considerRowTime() {
     // One that is settled can wait for a keyframe that did not solve the queue already.
     if (row_time_.settled() && report_.queue.last_accepted) return;
     swaps_since_row_time_ = 0;
-    estimate = estimate_.rowTime(solution_, row_time_.step());
+    estimate = estimate_.rowTime(solution_);
   } else {
     const int keyframes = startup_.keyframesAdded();
     if (row_time_.settled() && keyframes < row_time_keyframes_ + kKeyframesBetween) return;
     row_time_keyframes_ = keyframes;
-    estimate = startup_.rowTime(row_time_.step());
+    estimate = startup_.rowTime();
   }
   if (row_time_.take(estimate)) adoptRowTime();
 }

@@ -66,7 +66,7 @@ class QueueEstimate {
 
   /// What all segments together tell of the rolling shutter's time between rows, about the one that
   /// they are freed of; from the state and solution of the last solve.
-  RowTimeEstimate rowTime(const QueueSolution& solution, double step_s) const;
+  RowTimeEstimate rowTime(const QueueSolution& solution) const;
 
   /// Starts from the segments' present states and `start`.
   QueueSolution solve(const Camera& start);

@@ -15,12 +15,12 @@ struct RowTimeEstimate {
   Intrinsics slope;      ///< By how much the intrinsics' estimate moves with it; n_c [per s].
 };
 
-/// Profile of the robust cost about the row time that the segments have now (Keyframe::row_time_s):
-/// three solutions that differ in nothing else, each from the solved state that is given; the
-/// parabola through their costs tells the least and its width. `step_s` is between them.
-/// The segments share the intrinsics and the row time; `prior` as in Problem.
+/// Profile of the cost about the row time that the segments have now (Keyframe::row_time_s), which
+/// are at their solution: poses, landmarks and intrinsics follow to first order, robust weights
+/// stay. The parabola through three points tells the least and its width. The segments share the
+/// intrinsics and the row time; `prior` as in Problem.
 RowTimeEstimate estimateRowTime(const std::vector<SegmentBlock>& blocks, const Camera& camera,
-                                const IntrinsicsPrior& prior, double step_s, int threads);
+                                const IntrinsicsPrior& prior, int threads);
 
 /// A segment that was solved with another row time, evaluated anew with this one.
 Candidate withRowTime(const Candidate& candidate, double row_time_s, const Camera& start);
@@ -43,8 +43,6 @@ class RowTime {
   /// How far the value in use is expected to be off (root mean square) [s]. Where none is in use,
   /// the shutter may roll all the same, the more likely the less is known of it.
   double doubt() const;
-  /// For the next profile: of the order of the uncertainty [s].
-  double step() const;
   /// Whether the newest estimate is what is in use, but for a small part of its sigma.
   bool settled() const { return settled_; }
 

@@ -59,7 +59,7 @@ class Startup {
 
   /// What the batch tells of the time between rows, about the one it is freed of. Not usable
   /// before it tells something of the lens.
-  RowTimeEstimate rowTime(double step_s) const;
+  RowTimeEstimate rowTime() const;
   int keyframesAdded() const { return added_; }  ///< In all.
 
   const Camera& camera() const { return camera_; }

@@ -54,6 +54,9 @@ class LinearSegment {
   void eliminate(double damping);
   IntrinsicsMatrix reducedHessian() const;
   Intrinsics reducedGradient() const;
+  /// After eliminate(0): `|r|^2 / 2` at its least, to first order, over the segment's variables, with
+  /// the intrinsics as they are.
+  double reducedCost() const { return 0.5 * reduced_(tail_ - 1, tail_ - 1); }
 
   /// After linearize(.., true) and eliminate(0), at an optimum: `sum s s^T` over the landmarks'
   /// tracks, with s the track's share of the intrinsics' reduced gradient. Equal to
