@@ -127,23 +127,20 @@ Segment restarted(const Segment& segment, const Segment& start) {
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
                                           const QueueEstimate& queue,
                                           const QueueSolution& solution) {
-  if (!solution.usable) return std::nullopt;
+  if (!solution.usable || solution.shares.size() != queue.candidates().size()) return std::nullopt;
   Reference reference{solution.camera, solution.information, solution.inflation, 0};
   const int count = solution.camera.estimatedCount();
   const double weight = 1.0 / (solution.inflation * solution.inflation);
   Intrinsics gradient = Intrinsics::Zero(count);  // of the rest, at the joint optimum
   int kept = 0;
-  for (const Candidate& candidate : queue.candidates()) {
-    if (candidate.segment.endNs() < begin_ns || candidate.segment.beginNs() > end_ns) {
+  for (std::size_t i = 0; i < solution.shares.size(); ++i) {
+    const Segment& segment = queue.candidates()[i].segment;
+    if (segment.endNs() < begin_ns || segment.beginNs() > end_ns) {
       ++kept;
       continue;
     }
-    Segment segment = candidate.segment;
-    SegmentBlock block = freeBlock(&segment, solution.camera);
-    block.sigma_scale = candidate.sigma_scale;
-    const Evidence left_out = linearized(block, solution.camera);
-    reference.information -= weight * left_out.information;
-    gradient -= weight * left_out.gradient;
+    reference.information -= weight * solution.shares[i].information;
+    gradient -= weight * solution.shares[i].gradient;
   }
   const auto covariance = covarianceFromInformation(reference.information);
   if (kept == 0 || !covariance) return std::nullopt;

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "camera_self_calibration/calibration/agreement.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
-#include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/solver.h"
 
 namespace camera_self_calibration {
@@ -111,11 +111,12 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
   if (freedom > 0) inflation_ = std::sqrt(std::max(1.0, chi_square / freedom));
   solution.inflation = inflation_;
   const double variance = solution.inflation * solution.inflation;
-  const Marginal marginal = marginalize(problem, options.huber, threads_, DepthNoise::kDiscounted);
+  Marginal marginal = marginalize(problem, options.huber, threads_, DepthNoise::kDiscounted);
   solution.information = marginal.whole_information / variance;
   if (const auto covariance = marginal.robustCovariance()) {
     solution.covariance = variance * *covariance;
   }
+  solution.shares = std::move(marginal.shares);
   solution.usable = summary.usable && solution.camera.valid() && solution.covariance.size() > 0;
   return solution;
 }

@@ -37,7 +37,8 @@ Marginal marginalize(const Problem& problem, double huber, int threads, DepthNoi
   marginal.variables = count;
   for (int i = 0; i < blocks; ++i) {
     marginal.information += reduced[i].information;
-    marginal.whole_information += linear[i].reducedHessian();
+    marginal.shares.push_back({linear[i].reducedHessian(), linear[i].reducedGradient()});
+    marginal.whole_information += marginal.shares.back().information;
     marginal.track_scores += reduced[i].track_scores;
     marginal.gradient += reduced[i].gradient;
     marginal.cost += linear[i].cost();

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "camera_self_calibration/map/inverse_depth.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -17,6 +20,15 @@ bool sameView(const Place& a, const Place& b) {
   return a.world_from_camera.rotation.angularDistance(b.world_from_camera.rotation) <
              kSameViewAngle &&
          distance * a.inverse_depth < kSameViewDistance;
+}
+
+double typicalOf(const Place& place) {
+  std::vector<double> inverse_depths;
+  for (const PlacePoint& point : place.points) {
+    if (!point.known) continue;
+    inverse_depths.push_back(inverseDistance(point, place.world_from_camera.translation));
+  }
+  return typicalInverseDepth(std::move(inverse_depths));
 }
 
 void refreshPoint(const Map& map, const Camera& camera, PlacePoint* point) {
@@ -54,8 +66,8 @@ void PlaceMemory::refresh(std::uint64_t map_id, const Map& map, const Camera& ca
     const Keyframe* keyframe = map.keyframe(place.keyframe_id);
     if (keyframe == nullptr) continue;
     place.world_from_camera = keyframe->world_from_camera;
-    place.inverse_depth = map.medianInverseDepth(keyframe->id, camera);
     for (PlacePoint& point : place.points) refreshPoint(map, camera, &point);
+    place.inverse_depth = typicalOf(place);
   }
 }
 

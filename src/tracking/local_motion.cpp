@@ -1,54 +1,100 @@
 #include "camera_self_calibration/tracking/local_motion.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
+
+#include "camera_self_calibration/geometry/cpu_clones.h"
 
 namespace camera_self_calibration {
 namespace {
 
 // Far pairs count a little, so that a lonely point follows the image as a whole.
-constexpr double kFarWeight = 0.02;
+constexpr float kFarWeight = 0.02f;
 constexpr std::size_t kMinPairs = 6;
 constexpr double kMinMiss = 1.0;  // [px] Up to here nothing is an outlier.
 
+constexpr std::size_t kLanes = 8;
+enum Moment { kSum, kFromX, kFromY, kToX, kToY, kSquares, kDots, kCrosses, kMoments };
+
+// Weighted sums about (x, y), of each lane.
+SELFCAL_CPU_CLONES void sumUp(const float* from_x, const float* from_y, const float* to_x,
+                              const float* to_y, const float* weights, std::size_t count, float x,
+                              float y, float nearness, float (*sums)[kLanes]) {
+  for (std::size_t i = 0; i < count; i += kLanes) {
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const float px = from_x[i + lane] - x, py = from_y[i + lane] - y;
+      const float qx = to_x[i + lane] - x, qy = to_y[i + lane] - y;
+      const float square = px * px + py * py;
+      const float far = square * nearness;
+      const float w = weights[i + lane] * (kFarWeight + 1.0f / (1.0f + far * far));
+      sums[kSum][lane] += w;
+      sums[kFromX][lane] += w * px;
+      sums[kFromY][lane] += w * py;
+      sums[kToX][lane] += w * qx;
+      sums[kToY][lane] += w * qy;
+      sums[kSquares][lane] += w * square;
+      sums[kDots][lane] += w * (px * qx + py * qy);
+      sums[kCrosses][lane] += w * (px * qy - py * qx);
+    }
+  }
+}
+
 }  // namespace
 
+void LocalMotion::clear() {
+  count_ = 0;
+  for (auto* values : {&from_x_, &from_y_, &to_x_, &to_y_, &weights_}) values->clear();
+}
+
+void LocalMotion::add(const cv::Point2f& from, const cv::Point2f& to) {
+  if (count_ == weights_.size()) {
+    for (auto* values : {&from_x_, &from_y_, &to_x_, &to_y_, &weights_}) {
+      values->resize(count_ + kLanes, 0.0f);
+    }
+  }
+  from_x_[count_] = from.x;
+  from_y_[count_] = from.y;
+  to_x_[count_] = to.x;
+  to_y_[count_] = to.y;
+  weights_[count_++] = 1.0f;
+}
+
 void LocalMotion::weighOutliers() {
-  if (pairs_.size() < kMinPairs) return;
-  std::vector<double>& misses = misses_;
-  misses.clear();
-  for (const Pair& pair : pairs_) misses.push_back((at(pair.from).pixel - pair.to).norm());
-  sorted_ = misses;
+  if (count_ < kMinPairs) return;
+  misses_.clear();
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Eigen::Vector2d expected = at({from_x_[i], from_y_[i]}).pixel;
+    misses_.push_back((expected - Eigen::Vector2d(to_x_[i], to_y_[i])).norm());
+  }
+  sorted_ = misses_;
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());
   const double scale = 2.0 * *middle + kMinMiss;
-  for (std::size_t i = 0; i < pairs_.size(); ++i) {
-    pairs_[i].weight = 1.0 / (1.0 + std::pow(misses[i] / scale, 4));
+  for (std::size_t i = 0; i < count_; ++i) {
+    const double square = misses_[i] * misses_[i] / (scale * scale);
+    weights_[i] = static_cast<float>(1.0 / (1.0 + square * square));
   }
 }
 
 LocalMotion::Motion LocalMotion::at(const Eigen::Vector2d& pixel) const {
-  if (pairs_.size() < kMinPairs) return {pixel, Eigen::Matrix2d::Identity()};
-  // Least squares for to - mean = [a -b; b a] (from - mean), by moments about the pixel.
-  double sum = 0.0, squares = 0.0, dots = 0.0, crosses = 0.0;
-  Eigen::Vector2d from = Eigen::Vector2d::Zero(), to = Eigen::Vector2d::Zero();
-  const double nearness = 1.0 / (reach_ * reach_);
-  for (const Pair& pair : pairs_) {
-    const Eigen::Vector2d p = pair.from - pixel, q = pair.to - pixel;
-    const double distance2 = p.squaredNorm() * nearness;
-    const double w = pair.weight * (kFarWeight + 1.0 / (1.0 + distance2 * distance2));
-    sum += w;
-    from += w * p;
-    to += w * q;
-    squares += w * p.squaredNorm();
-    dots += w * p.dot(q);
-    crosses += w * (p.x() * q.y() - p.y() * q.x());
+  if (count_ < kMinPairs) return {pixel, Eigen::Matrix2d::Identity()};
+  alignas(32) float lanes[kMoments][kLanes] = {};
+  sumUp(from_x_.data(), from_y_.data(), to_x_.data(), to_y_.data(), weights_.data(),
+        weights_.size(), static_cast<float>(pixel.x()), static_cast<float>(pixel.y()),
+        static_cast<float>(1.0 / (reach_ * reach_)), lanes);
+  std::array<double, kMoments> moments{};
+  for (int k = 0; k < kMoments; ++k) {
+    moments[k] = std::accumulate(std::begin(lanes[k]), std::end(lanes[k]), 0.0);
   }
-  from /= sum;
-  to /= sum;
-  const double spread = 1e-9 + squares - sum * from.squaredNorm();
-  const double a = dots - sum * from.dot(to);
-  const double b = crosses - sum * (from.x() * to.y() - from.y() * to.x());
+  // Least squares for to - mean = [a -b; b a] (from - mean), by moments about the pixel.
+  const double sum = moments[kSum];
+  const Eigen::Vector2d from = Eigen::Vector2d(moments[kFromX], moments[kFromY]) / sum;
+  const Eigen::Vector2d to = Eigen::Vector2d(moments[kToX], moments[kToY]) / sum;
+  const double spread = 1e-9 + moments[kSquares] - sum * from.squaredNorm();
+  const double a = moments[kDots] - sum * from.dot(to);
+  const double b = moments[kCrosses] - sum * (from.x() * to.y() - from.y() * to.x());
   Motion motion;
   motion.linear << a, -b, b, a;
   motion.linear /= spread;

@@ -48,7 +48,8 @@ struct Reference {
 };
 
 /// The queue's estimate without the segments that share a moment with [begin, end], by subtracting
-/// what they said at the joint optimum. Nothing if the rest does not determine the intrinsics.
+/// what they said at the joint optimum. `solution` is that of the queue as it is. Nothing if the
+/// rest does not determine the intrinsics.
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
                                           const QueueEstimate& queue,
                                           const QueueSolution& solution);

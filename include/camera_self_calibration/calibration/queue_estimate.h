@@ -6,6 +6,7 @@
 #include "camera_self_calibration/calibration/candidate_window.h"
 #include "camera_self_calibration/calibration/row_time.h"
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/problem.h"
 
 namespace camera_self_calibration {
@@ -25,7 +26,8 @@ struct QueueSolution {
   Camera camera;
   /// Sum of the segments' marginals at the joint optimum, divided by the square of `inflation`.
   IntrinsicsMatrix information;
-  /// Its inverse, made larger where residuals are correlated along tracks
+  std::vector<BlockShare> shares;  ///< The segments' marginals, in the queue's order.
+  /// The inverse of the information, made larger where residuals are correlated along tracks
   /// (Marginal::robustCovariance); empty where the information is singular.
   IntrinsicsMatrix covariance;
   /// How far the segments disagree beyond their own uncertainties: sqrt of chi-square per degree of

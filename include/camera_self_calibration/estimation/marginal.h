@@ -1,10 +1,17 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "camera_self_calibration/estimation/problem.h"
 
 namespace camera_self_calibration {
+
+/// What one block adds to the reduced system of the intrinsics, all noise included.
+struct BlockShare {
+  IntrinsicsMatrix information;  ///< n_c x n_c
+  Intrinsics gradient;           ///< n_c
+};
 
 /// What a problem's observations tell of the intrinsics, at its present state.
 struct Marginal {
@@ -14,6 +21,7 @@ struct Marginal {
   /// The same with what noise in the inverse depths feigns, which DepthNoise::kDiscounted leaves
   /// out of all else here.
   IntrinsicsMatrix whole_information;
+  std::vector<BlockShare> shares;  ///< Of each block, in `whole_information`.
   /// `sum s s^T` over tracks (LinearSegment::trackScores), with the loss of degrees of freedom made
   /// up for: as `information` where residuals are independent, larger where they are correlated.
   IntrinsicsMatrix track_scores;

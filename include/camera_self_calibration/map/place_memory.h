@@ -22,7 +22,7 @@ struct Place {
   std::uint64_t map_id = 0;
   std::int64_t keyframe_id = 0;
   Rigid3 world_from_camera;
-  double inverse_depth = 1.0;           ///< Median of its points, in its own frame.
+  double inverse_depth = 1.0;           ///< Typical of its points: 1 / distance from it.
   std::vector<PlacePoint> points;       ///< In the order of descriptors.
   std::vector<Descriptor> descriptors;  ///< One a point.
 };

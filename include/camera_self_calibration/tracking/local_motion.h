@@ -15,9 +15,9 @@ class LocalMotion {
   template <typename Found>
   void fit(const std::vector<cv::Point2f>& from, const std::vector<cv::Point2f>& to,
            const Found& found, double reach) {
-    pairs_.clear();
+    clear();
     for (std::size_t i = 0; i < from.size(); ++i) {
-      if (found(i)) pairs_.push_back({toVector(from[i]), toVector(to[i]), 1.0});
+      if (found(i)) add(from[i], to[i]);
     }
     reach_ = reach;
     weighOutliers();
@@ -32,16 +32,14 @@ class LocalMotion {
   Motion at(const Eigen::Vector2d& pixel) const;
 
  private:
-  struct Pair {
-    Eigen::Vector2d from;
-    Eigen::Vector2d to;
-    double weight;
-  };
-
-  static Eigen::Vector2d toVector(const cv::Point2f& p) { return {p.x, p.y}; }
+  void clear();
+  void add(const cv::Point2f& from, const cv::Point2f& to);
   void weighOutliers();
 
-  std::vector<Pair> pairs_;
+  // Pairs side by side, filled up with weights of zero to a multiple of the lanes that are summed
+  // up together.
+  std::size_t count_ = 0;
+  std::vector<float> from_x_, from_y_, to_x_, to_y_, weights_;
   std::vector<double> misses_;
   std::vector<double> sorted_;
   double reach_ = 1.0;
