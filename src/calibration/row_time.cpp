@@ -17,7 +17,7 @@ namespace {
 // In sigmas: beyond, the shutter rolls without a doubt; and so far the value in use may be off.
 constexpr double kSignificant = 5.0;
 constexpr double kSmallPart = 0.5;
-// Readout times of a whole image [s]: between the points of the profile, and what no camera exceeds.
+// Readout times of a whole image [s]: between the profile's points, and what no camera exceeds.
 constexpr double kStep = 1e-3;
 constexpr double kLongest = 0.1;
 constexpr double kTypical = 0.02;  // where the shutter rolls, as half of all do

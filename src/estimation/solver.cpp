@@ -54,6 +54,7 @@ class DogLeg {
   double curvature(const Eigen::VectorXd& step) const;
   void propose();
   double apply();
+  double intrinsicsToGo() const;
   void tryStep(SolveSummary* summary);
 
   const Problem problem_;
@@ -75,8 +76,9 @@ class DogLeg {
   // The path from the present state.
   bool has_path_ = false;
   Eigen::VectorXd newton_;
-  double newton_norm_ = 0.0;      // scaled
-  double intrinsics_step_ = 0.0;  // of newton_, in marginal standard deviations
+  double newton_norm_ = 0.0;           // scaled
+  double intrinsics_step_ = 0.0;       // of newton_, in marginal standard deviations
+  double last_intrinsics_step_ = 0.0;  // taken in full; 0: none
   bool has_cauchy_ = false;
   Eigen::VectorXd cauchy_;
 
@@ -212,13 +214,22 @@ double DogLeg::apply() {
   return sum;
 }
 
+// After newton_: at most as far as it, and where steps shrink by half or more each time, what is
+// left of their geometric series.
+double DogLeg::intrinsicsToGo() const {
+  const double ratio = intrinsics_step_ / last_intrinsics_step_;
+  return ratio < 0.5 ? intrinsics_step_ * ratio / (1.0 - ratio) : intrinsics_step_;
+}
+
 // Takes the step or refuses it; the trust region follows.
 void DogLeg::tryStep(SolveSummary* summary) {
   saved_.save(problem_);
   const double cost = apply();
   const double ratio = (cost_ - cost) / predicted_gain_;
   if (std::isfinite(cost) && ratio > 1e-4) {
-    const bool near = newton_norm_ <= radius_ && intrinsics_step_ < options_.intrinsics_tolerance;
+    const bool full = newton_norm_ <= radius_;
+    const bool near = full && intrinsicsToGo() < options_.intrinsics_tolerance;
+    last_intrinsics_step_ = full ? intrinsics_step_ : 0.0;
     summary->converged = near || cost_ - cost < options_.cost_tolerance * cost_;
     cost_ = summary->final_cost = cost;
     if (ratio > 0.75) radius_ = std::max(radius_, 3.0 * step_norm_);

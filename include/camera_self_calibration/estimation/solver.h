@@ -13,8 +13,9 @@ struct SolverOptions {
   double step_tolerance = 1e-6;
   /// Ends when a step lowers the cost by less than this share of it.
   double cost_tolerance = 1e-12;
-  /// Ends after a full Gauss-Newton step that moves the intrinsics by less than this many of their
-  /// marginal standard deviations, taken together. 0: of no account.
+  /// Ends after a full Gauss-Newton step that leaves the intrinsics, going by how fast such steps
+  /// shrink, less than this many of their marginal standard deviations to go, all together. 0: of
+  /// no account.
   double intrinsics_tolerance = 0.0;
   int threads = 1;  ///< For the segments; the result does not depend on it.
 };
