@@ -20,7 +20,6 @@ namespace {
 constexpr int kFirstRetry = 6;
 constexpr int kRetryKeyframes = 12;    // at most, in the comparison of guesses
 constexpr double kClearlyLess = 0.98;  // of a cost: another minimum, not the same one again
-constexpr double kFarWorse = 2.0;      // of a residual scale
 constexpr double kHuber = 2.0;
 constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
 
@@ -192,8 +191,8 @@ void Startup::tryOtherGuesses() {
     growByKeyframe(options_.growth, k, &segment_, &camera_);
   }
   judge();
-  // What fits the first keyframes better by chance fits the others far worse.
-  const bool worse = !usable_ || residual_scale_ > kFarWorse * before.residual_scale_;
+  // What fits the first keyframes better by chance does not fit the others.
+  const bool worse = !usable_ || residual_scale_ > before.residual_scale_;
   if (before.tellsLens() && worse) *this = before;
 }
 
