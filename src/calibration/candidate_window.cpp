@@ -6,8 +6,8 @@
 #include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {

@@ -1,3 +1,5 @@
+// The newest window against the queue.
+
 #include "camera_self_calibration/calibration/change_detector.h"
 
 #include <algorithm>
@@ -5,8 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "camera_self_calibration/calibration/change_course.h"
-#include "camera_self_calibration/calibration/lens_step.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/geometry/median.h"
@@ -18,7 +18,6 @@ using Kind = ChangeVerdict::Kind;
 
 // Two fast, one of the window, three of the pools, one for a step.
 constexpr double kTestsPerKeyframe = 7.0;
-constexpr double kDoubt = 1e-2;  // p-value below which nothing enters the queue
 // p-value of the candidate's own solution above which no closer look is worth its time.
 constexpr double kClearlySame = 0.1;
 constexpr double kUnfounded = 0.1;       // p-value above which a suspicion was for nothing
@@ -31,15 +30,8 @@ constexpr int kFindings = 2;       // keyframes in a row that find the same new 
 constexpr double kSameLens = 0.5;  // distance between two findings, as a share of the change
 // Statistic per observation that needs no second finding: no wrong minimum is as bad.
 constexpr double kBlatant = 1.0;
-constexpr std::size_t kStretches = 16;
-constexpr std::size_t kPools[] = {2, 4, 8};
-constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a drift made stale
 // Residual scale, over that of the queue's segments, of data that fit no lens.
 constexpr double kMaxMisfit = 2.0;
-
-std::string withP(const char* text, double p_value) {
-  return formatted("%s (p = %.1e)", text, p_value);
-}
 
 double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
@@ -64,20 +56,11 @@ std::optional<Evidence> verified(const Evidence& evidence, const Candidate& cand
   return fitting && agreement({*fitting}, reference).statistic < whole ? fitting : evidence;
 }
 
-// Those that disagree with what the lens has become.
-std::vector<std::int64_t> staleSegments(const ChangeCourse& course, const QueueEstimate& queue) {
-  const Reference now{course.camera, course.information, 1.0, 0};
-  std::vector<std::int64_t> stale;
-  for (const Candidate& candidate : queue.candidates()) {
-    const auto said = evidenceAt(now.camera, candidate.segment, candidate.sigma_scale);
-    if (!said || agreement({*said}, now).p_value < kDoubt) {
-      stale.push_back(candidate.segment.sequence);
-    }
-  }
-  return stale;
-}
-
 }  // namespace
+
+std::string ChangeDetector::withP(const char* text, double p_value) {
+  return formatted("%s (p = %.1e)", text, p_value);
+}
 
 double ChangeDetector::limit() const { return rate_ * interval_s_ / 3600.0 / kTestsPerKeyframe; }
 
@@ -249,104 +232,6 @@ ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_k
     verdict.excess = change.statistic / static_cast<double>(change.segment.observations.size());
     verdict.segment = std::move(change.segment);
   }
-  return verdict;
-}
-
-bool ChangeDetector::isNewStretch(std::int64_t begin_ns) const {
-  return recent_.empty() || begin_ns > recent_.back().evidence.end_ns;
-}
-
-void ChangeDetector::remember(const Candidate& candidate, const Evidence& evidence) {
-  if (!isNewStretch(candidate.segment.beginNs())) return;
-  recent_.push_back({candidate, evidence});
-  if (recent_.size() > kStretches) recent_.pop_front();
-}
-
-std::vector<Evidence> ChangeDetector::stretchesBeside(const QueueEstimate& queue) const {
-  std::vector<Evidence> beside;
-  for (const Stretch& stretch : recent_) {
-    const Evidence& evidence = stretch.evidence;
-    const auto shares = [&](const Candidate& candidate) {
-      return candidate.segment.beginNs() <= evidence.end_ns &&
-             candidate.segment.endNs() >= evidence.begin_ns;
-    };
-    const auto& candidates = queue.candidates();
-    const bool fits =
-        stretch.candidate.well_posed && fitsAsUsual(stretch.candidate.sigma_scale, queue);
-    if (fits && std::none_of(candidates.begin(), candidates.end(), shares)) {
-      beside.push_back(evidence);
-    }
-  }
-  return beside;
-}
-
-ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
-                                            const QueueSolution& solution) const {
-  ChangeVerdict doubt;
-  for (const std::size_t count : kPools) {
-    if (recent_.size() < count) break;
-    std::vector<Evidence> pool;
-    for (std::size_t i = recent_.size() - count; i < recent_.size(); ++i) {
-      pool.push_back(recent_[i].evidence);
-    }
-    const auto reference =
-        referenceWithout(pool.front().begin_ns, pool.back().end_ns, queue, solution);
-    if (!reference) break;
-    const double p_value = agreement(pool, *reference).p_value;
-    if (p_value < limit()) return explain(*reference, p_value, queue, solution.drift.significant);
-    if (p_value < kDoubt && doubt.kind == Kind::kSame) {
-      doubt.kind = Kind::kDoubt;
-      doubt.p_value = p_value;
-      doubt.reason = withP("the newest stretches disagree with the queue", p_value);
-    }
-  }
-  return doubt;
-}
-
-ChangeVerdict ChangeDetector::examineStep(const QueueEstimate& queue,
-                                          const QueueSolution& solution) const {
-  ChangeVerdict verdict;
-  std::vector<Evidence> stretches = stretchesBeside(queue);
-  for (const Candidate& candidate : queue.candidates()) stretches.push_back(ownEvidence(candidate));
-  const auto step = estimateStep(std::move(stretches), solution.camera, last_stamp_ns_, limit());
-  if (!step || recent_.empty() || recent_.back().evidence.begin_ns < step->onset_ns) return verdict;
-  verdict.kind = Kind::kChange;
-  verdict.reason = withP("the lens changed, in one step", step->p_value);
-  verdict.p_value = step->p_value;
-  verdict.onset_ns = step->onset_ns;
-  verdict.camera = step->camera;
-  verdict.information = step->information;
-  verdict.segment = recent_.back().candidate.segment;
-  const auto keep = [&](const Candidate& candidate) {
-    if (candidate.well_posed && candidate.segment.beginNs() >= step->onset_ns) {
-      verdict.recent.push_back(candidate);
-    }
-  };
-  for (const Candidate& candidate : queue.candidates()) keep(candidate);
-  for (const Stretch& stretch : recent_) keep(stretch.candidate);
-  return verdict;
-}
-
-ChangeVerdict ChangeDetector::explain(const Reference& reference, double p_value,
-                                      const QueueEstimate& queue, bool drifting) const {
-  std::vector<Evidence> stretches;
-  for (const Stretch& stretch : recent_) stretches.push_back(stretch.evidence);
-  const ChangeCourse course = courseOfChange(stretches, reference);
-  ChangeVerdict verdict;
-  verdict.p_value = p_value;
-  const bool gradual = course.gradual || drifting;
-  verdict.reason = withP(gradual ? "the lens drifts slowly" : "the lens changed", p_value);
-  verdict.kind = !course.camera.valid() ? Kind::kDoubt : gradual ? Kind::kDrift : Kind::kChange;
-  verdict.onset_ns = stretches[course.first].begin_ns;
-  verdict.camera = course.camera;
-  verdict.information = course.information;
-  verdict.segment = recent_.back().candidate.segment;
-  const std::size_t newest = recent_.size() - std::min(kFollowed, recent_.size());
-  for (std::size_t i = gradual ? std::max(newest, course.first) : course.first; i < recent_.size();
-       ++i) {
-    if (recent_[i].candidate.well_posed) verdict.recent.push_back(recent_[i].candidate);
-  }
-  if (verdict.kind == Kind::kDrift) verdict.stale = staleSegments(course, queue);
   return verdict;
 }
 

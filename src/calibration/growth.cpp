@@ -7,8 +7,8 @@
 
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/inverse_depth.h"
 

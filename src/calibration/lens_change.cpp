@@ -10,7 +10,7 @@
 #include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
 
 namespace camera_self_calibration {

@@ -6,7 +6,7 @@
 
 #include "camera_self_calibration/calibration/agreement.h"
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
 
 namespace camera_self_calibration {

@@ -133,6 +133,26 @@ Intrinsics LinearSegment::reducedGradient() const {
   return reduced_.row(tail_ - 1).head(intrinsics_count_).transpose();
 }
 
+void LinearSegment::crossPoses(const Eigen::MatrixXd& columns, Eigen::MatrixXd* among_poses,
+                               Eigen::MatrixXd* to_intrinsics) const {
+  Eigen::MatrixXd whitened;
+  poses_inverse_.whiten(columns, &whitened);
+  const auto own = static_cast<int>(whitened.cols());
+  Panel panel;  // all products at once
+  panel.reset(own + intrinsics_count_, static_cast<int>(whitened.rows()));
+  for (Eigen::Index c = 0; c < whitened.rows(); ++c) {
+    Eigen::Map<Eigen::RowVectorXd> column(panel.column(static_cast<int>(c)),
+                                          own + intrinsics_count_);
+    column << whitened.row(c), whitened_tail_.row(c).head(intrinsics_count_);
+  }
+  panel.multiply();
+  using Product = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+  const Product product(panel.product(0), own + intrinsics_count_, own,
+                        Eigen::OuterStride<>(panel.pitch()));
+  *among_poses = product.topRows(own).selfadjointView<Eigen::Lower>();
+  *to_intrinsics = product.bottomRows(intrinsics_count_);
+}
+
 // L^-T L^-1 (b - W^T x)
 Eigen::Vector3d LinearSegment::landmarkStep(std::size_t l,
                                             const Eigen::Ref<const Eigen::VectorXd>& poses,

@@ -26,18 +26,6 @@ int tailColumns(int intrinsics_count) {
   return intrinsics_count <= 5 ? 6 : 10;
 }
 
-// Of the prior, which the robust loss does not concern.
-double depthCost(const Segment& segment, const DepthPrior& prior) {
-  const double weight = prior.weight();
-  if (weight == 0.0) return 0.0;
-  double sum = 0.0;
-  for (const Landmark& landmark : segment.landmarks) {
-    const double off = landmark.inverse_depth - prior.mean;
-    sum += off * off;
-  }
-  return 0.5 * weight * sum;
-}
-
 }  // namespace
 
 // An observation's whitened, weighted Jacobian and residual, transposed.
@@ -159,7 +147,7 @@ void LinearSegment::addObservations(const SegmentBlock& block, const Camera& cam
 void LinearSegment::addDepthPrior(const Segment& segment, const DepthPrior& prior) {
   const double weight = prior.weight();
   if (weight == 0.0) return;
-  cost_ += depthCost(segment, prior);
+  cost_ += prior.cost(segment);
   for (std::size_t l = 0; l < structure_.landmarks.size(); ++l) {
     const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
     if (place.depth_fixed) continue;
@@ -336,26 +324,6 @@ Intrinsics LinearSegment::intrinsicsDiagonal() const {
   return normal_.diagonal().segment(poseColumns(), intrinsics_count_);
 }
 
-void LinearSegment::crossPoses(const Eigen::MatrixXd& columns, Eigen::MatrixXd* among_poses,
-                               Eigen::MatrixXd* to_intrinsics) const {
-  Eigen::MatrixXd whitened;
-  poses_inverse_.whiten(columns, &whitened);
-  const auto own = static_cast<int>(whitened.cols());
-  Panel panel;  // all products at once
-  panel.reset(own + intrinsics_count_, static_cast<int>(whitened.rows()));
-  for (Eigen::Index c = 0; c < whitened.rows(); ++c) {
-    Eigen::Map<Eigen::RowVectorXd> column(panel.column(static_cast<int>(c)),
-                                          own + intrinsics_count_);
-    column << whitened.row(c), whitened_tail_.row(c).head(intrinsics_count_);
-  }
-  panel.multiply();
-  using Product = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
-  const Product product(panel.product(0), own + intrinsics_count_, own,
-                        Eigen::OuterStride<>(panel.pitch()));
-  *among_poses = product.topRows(own).selfadjointView<Eigen::Lower>();
-  *to_intrinsics = product.bottomRows(intrinsics_count_);
-}
-
 double LinearSegment::curvature(const Eigen::Ref<const Eigen::VectorXd>& own,
                                 const Intrinsics& intrinsics) const {
   const int c = intrinsics_count_;
@@ -379,25 +347,6 @@ double LinearSegment::curvature(const Eigen::Ref<const Eigen::VectorXd>& own,
     }
   }
   return sum;
-}
-
-double robustCost(const SegmentBlock& block, const Camera& camera, double huber,
-                  Transfers* transfers) {
-  const Segment& segment = *block.segment;
-  double cost = depthCost(segment, block.depth_prior);
-  predictObservations(segment, camera, transfers, [&](std::size_t o, const Eigen::Vector2d* pixel) {
-    const Observation& observation = segment.observations[o];
-    const double sigma = observation.sigma * block.sigma_scale;
-    cost += pixel == nullptr
-                ? unpredictableCost(sigma, huber)
-                : HuberLoss(((observation.pixel - *pixel) / sigma).squaredNorm(), huber).cost;
-  });
-  return cost;
-}
-
-double robustCost(const SegmentBlock& block, const Camera& camera, double huber) {
-  Transfers transfers;
-  return robustCost(block, camera, huber, &transfers);
 }
 
 }  // namespace camera_self_calibration

@@ -4,6 +4,16 @@
 
 namespace camera_self_calibration {
 
+double DepthPrior::cost(const Segment& segment) const {
+  if (weight() == 0.0) return 0.0;
+  double sum = 0.0;
+  for (const Landmark& landmark : segment.landmarks) {
+    const double off = landmark.inverse_depth - mean;
+    sum += off * off;
+  }
+  return 0.5 * weight() * sum;
+}
+
 Intrinsics IntrinsicsPrior::weights(int count) const {
   Intrinsics result = Intrinsics::Zero(count);
   const int known = std::min(count, static_cast<int>(sigma.size()));

@@ -8,6 +8,7 @@
 #include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/parallel.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/transfer.h"
 #include "dog_leg_path.h"
 #include "problem_state.h"

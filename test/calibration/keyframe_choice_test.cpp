@@ -12,8 +12,8 @@
 #include "camera_self_calibration/calibration/growth.h"
 #include "camera_self_calibration/calibration/startup.h"
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "estimation/sample_segments.h"
 
 namespace camera_self_calibration {

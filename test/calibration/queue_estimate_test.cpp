@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "estimation/sample_segments.h"
 
 namespace camera_self_calibration {

@@ -7,6 +7,7 @@
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "estimation/sample_segments.h"
 

@@ -9,6 +9,7 @@
 
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "estimation/dense_problem.h"
 #include "estimation/sample_segments.h"
 

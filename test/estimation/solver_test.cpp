@@ -1,3 +1,4 @@
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
 
 #include <gtest/gtest.h>
@@ -5,7 +6,6 @@
 #include <Eigen/Cholesky>
 
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "estimation/sample_segments.h"
 

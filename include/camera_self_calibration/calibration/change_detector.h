@@ -83,11 +83,14 @@ class ChangeDetector {
   double limit() const;
 
  private:
+  static constexpr double kDoubt = 1e-2;  // p-value below which nothing enters the queue
+
   struct Stretch {
     Candidate candidate;
     Evidence evidence;
   };
 
+  static std::string withP(const char* text, double p_value);
   void measureInterval(std::int64_t stamp_ns);
   ChangeVerdict examineKeyframe(const Segment& window, const Candidate& candidate,
                                 std::int64_t suspected_onset_ns, const QueueEstimate& queue,
@@ -100,6 +103,7 @@ class ChangeDetector {
   ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
   ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
                               const Reference& reference) const;
+  // In slow_change.cpp: the newest stretches.
   bool isNewStretch(std::int64_t begin_ns) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const Evidence& evidence);
   ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;

@@ -188,10 +188,4 @@ class LinearSegment {
   Eigen::MatrixXd reduced_;        // tail by tail
 };
 
-/// The robust cost of one block at its present state, as LinearSegment::cost. `transfers` lends
-/// memory.
-double robustCost(const SegmentBlock& block, const Camera& camera, double huber,
-                  Transfers* transfers);
-double robustCost(const SegmentBlock& block, const Camera& camera, double huber);
-
 }  // namespace camera_self_calibration

@@ -16,6 +16,8 @@ struct DepthPrior {
   double sigma = 0.0;
 
   double weight() const { return sigma > 0.0 ? 1.0 / (sigma * sigma) : 0.0; }
+  /// `sum (rho - mean)^2 / sigma^2 / 2` over the landmarks; no robust loss concerns it.
+  double cost(const Segment& segment) const;
 };
 
 /// A segment's part in a problem: what is held, and its weight.
