@@ -123,6 +123,24 @@ std::size_t Courses::likeliestStep() const {
                                       evidence.begin());
 }
 
+// Those of the camera's model, in the order of time.
+std::vector<Evidence> inOrder(std::vector<Evidence> stretches, const Camera& camera) {
+  const auto of_other_model = [&](const Evidence& stretch) {
+    return stretch.point.size() != camera.estimatedCount();
+  };
+  stretches.erase(std::remove_if(stretches.begin(), stretches.end(), of_other_model),
+                  stretches.end());
+  std::sort(stretches.begin(), stretches.end(),
+            [](const Evidence& a, const Evidence& b) { return middle(a) < middle(b); });
+  return stretches;
+}
+
+// Of a random walk or of a ramp, whichever is the likelier.
+double evidenceOfDrift(const Courses& courses, const std::vector<Evidence>& stretches,
+                       const Camera& camera, std::int64_t now_ns) {
+  return std::max(courses.evidenceOf(Course::kRamp), driftEvidence(stretches, camera, now_ns));
+}
+
 double pValueOf(double evidence) { return std::exp(-0.5 * std::max(0.0, evidence)); }
 
 // No single stretch may decide: one that shows something that moves is not the lens's.
@@ -156,21 +174,14 @@ void describeNow(const std::vector<Evidence>& stretches, std::size_t before, Len
 
 std::optional<LensStep> estimateStep(std::vector<Evidence> stretches, const Camera& camera,
                                      std::int64_t now_ns, double limit) {
-  const auto of_other_model = [&](const Evidence& stretch) {
-    return stretch.point.size() != camera.estimatedCount();
-  };
-  stretches.erase(std::remove_if(stretches.begin(), stretches.end(), of_other_model),
-                  stretches.end());
+  stretches = inOrder(std::move(stretches), camera);
   if (stretches.size() < kMinStretches) return std::nullopt;
-  std::sort(stretches.begin(), stretches.end(),
-            [](const Evidence& a, const Evidence& b) { return middle(a) < middle(b); });
   const Courses courses(stretches, camera, now_ns);
   const double evidence = courses.evidenceOf(Course::kStep);
   LensStep step;
   step.p_value = pValueOf(evidence);
   if (!(step.p_value < limit)) return std::nullopt;
-  const double drift =
-      std::max(courses.evidenceOf(Course::kRamp), driftEvidence(stretches, camera, now_ns));
+  const double drift = evidenceOfDrift(courses, stretches, camera, now_ns);
   if (!(evidence - drift > kClearly) || !holdsWithoutAny(stretches, camera, now_ns)) {
     return std::nullopt;
   }
@@ -180,6 +191,14 @@ std::optional<LensStep> estimateStep(std::vector<Evidence> stretches, const Came
   describeNow(stretches, before, &step);
   if (!step.camera.valid()) return std::nullopt;
   return step;
+}
+
+bool showsDrift(std::vector<Evidence> stretches, const Camera& camera, std::int64_t now_ns) {
+  stretches = inOrder(std::move(stretches), camera);
+  if (stretches.size() < kMinStretches) return false;
+  const Courses courses(stretches, camera, now_ns);
+  const double drift = evidenceOfDrift(courses, stretches, camera, now_ns);
+  return drift > kClearly && !(courses.evidenceOf(Course::kStep) - drift > kClearly);
 }
 
 }  // namespace camera_self_calibration

@@ -63,6 +63,13 @@ std::vector<Evidence> ChangeDetector::stretchesBeside(const QueueEstimate& queue
   return beside;
 }
 
+// Those of the queue and those beside it.
+std::vector<Evidence> ChangeDetector::allStretches(const QueueEstimate& queue) const {
+  std::vector<Evidence> stretches = stretchesBeside(queue);
+  for (const Candidate& candidate : queue.candidates()) stretches.push_back(ownEvidence(candidate));
+  return stretches;
+}
+
 ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
                                             const QueueSolution& solution) const {
   ChangeVerdict doubt;
@@ -76,7 +83,7 @@ ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
         referenceWithout(pool.front().begin_ns, pool.back().end_ns, queue, solution);
     if (!reference) break;
     const double p_value = agreement(pool, *reference).p_value;
-    if (p_value < limit()) return explain(*reference, p_value, queue, solution.drift.significant);
+    if (p_value < limit()) return explain(*reference, p_value, queue, solution);
     if (p_value < kDoubt && doubt.kind == Kind::kSame) {
       doubt.kind = Kind::kDoubt;
       doubt.p_value = p_value;
@@ -89,9 +96,7 @@ ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
 ChangeVerdict ChangeDetector::examineStep(const QueueEstimate& queue,
                                           const QueueSolution& solution) const {
   ChangeVerdict verdict;
-  std::vector<Evidence> stretches = stretchesBeside(queue);
-  for (const Candidate& candidate : queue.candidates()) stretches.push_back(ownEvidence(candidate));
-  const auto step = estimateStep(std::move(stretches), solution.camera, last_stamp_ns_, limit());
+  const auto step = estimateStep(allStretches(queue), solution.camera, last_stamp_ns_, limit());
   if (!step || recent_.empty() || recent_.back().evidence.begin_ns < step->onset_ns) return verdict;
   verdict.kind = Kind::kChange;
   verdict.reason = withP("the lens changed, in one step", step->p_value);
@@ -111,13 +116,15 @@ ChangeVerdict ChangeDetector::examineStep(const QueueEstimate& queue,
 }
 
 ChangeVerdict ChangeDetector::explain(const Reference& reference, double p_value,
-                                      const QueueEstimate& queue, bool drifting) const {
+                                      const QueueEstimate& queue,
+                                      const QueueSolution& solution) const {
   std::vector<Evidence> stretches;
   for (const Stretch& stretch : recent_) stretches.push_back(stretch.evidence);
   const ChangeCourse course = courseOfChange(stretches, reference);
   ChangeVerdict verdict;
   verdict.p_value = p_value;
-  const bool gradual = course.gradual || drifting;
+  const bool gradual = course.gradual || solution.drift.significant ||
+                       showsDrift(allStretches(queue), solution.camera, last_stamp_ns_);
   verdict.reason = withP(gradual ? "the lens drifts slowly" : "the lens changed", p_value);
   verdict.kind = !course.camera.valid() ? Kind::kDoubt : gradual ? Kind::kDrift : Kind::kChange;
   verdict.onset_ns = stretches[course.first].begin_ns;

@@ -106,10 +106,11 @@ class ChangeDetector {
   // In slow_change.cpp: the newest stretches.
   bool isNewStretch(std::int64_t begin_ns) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const Evidence& evidence);
+  std::vector<Evidence> allStretches(const QueueEstimate& queue) const;
   ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;
   ChangeVerdict examineStep(const QueueEstimate& queue, const QueueSolution& solution) const;
   ChangeVerdict explain(const Reference& reference, double p_value, const QueueEstimate& queue,
-                        bool drifting) const;
+                        const QueueSolution& solution) const;
 
   double rate_;
   double interval_s_ = 0.3;  // between keyframes, running mean

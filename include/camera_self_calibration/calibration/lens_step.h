@@ -27,4 +27,8 @@ struct LensStep {
 std::optional<LensStep> estimateStep(std::vector<Evidence> stretches, const Camera& camera,
                                      std::int64_t now_ns, double limit);
 
+/// Whether such stretches show that the focal length drifts: a drift is clearly likelier than a
+/// constant lens, and a step not clearly likelier than a drift.
+bool showsDrift(std::vector<Evidence> stretches, const Camera& camera, std::int64_t now_ns);
+
 }  // namespace camera_self_calibration
