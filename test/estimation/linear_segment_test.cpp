@@ -116,6 +116,19 @@ TEST_P(LinearSegmentTest, HessianIsThatOfTheNumericJacobian) {
   EXPECT_TRUE(diagonal.isApprox(hessian.diagonal(), 1e-9));
 }
 
+TEST_P(LinearSegmentTest, ReducedCostIsTheLeastOverTheSegmentsVariables) {
+  const DenseProblem dense(block_, camera_, count_);
+  const Eigen::VectorXd weights = dense.rootWeights(GetParam().huber);
+  const Eigen::VectorXd residuals =
+      weights.cwiseProduct(dense.residuals(Eigen::VectorXd::Zero(dense.variables())));
+  Eigen::MatrixXd own = (weights.asDiagonal() * dense.jacobian()).leftCols(linear_.variables());
+  own.colwise().normalize();
+  const Eigen::VectorXd least = residuals - own * own.colPivHouseholderQr().solve(residuals);
+  linear_.eliminate(0.0);
+  EXPECT_NEAR(linear_.reducedCost(), 0.5 * least.squaredNorm(), 1e-4 * linear_.cost());
+  EXPECT_LT(linear_.reducedCost(), 0.9 * linear_.cost());
+}
+
 TEST_P(LinearSegmentTest, EliminationSolvesTheFullNormalEquations) {
   const DenseProblem dense(block_, camera_, count_);
   const Eigen::MatrixXd hessian = hessianOf(linear_, dense);

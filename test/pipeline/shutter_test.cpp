@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include "camera_self_calibration/calibration/row_time.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 #include "estimation/sample_segments.h"
 #include "pipeline/track_run.h"
@@ -82,6 +85,45 @@ TEST(Shutter, StateKeepsIt) {
   EXPECT_NEAR(run.report().shutter.readout_s, rolling().report.shutter.readout_s,
               rolling().report.shutter.sigma_s);
   EXPECT_EQ(run.record.count(EventType::kCalibrationChange), 0);
+}
+
+// The least cost with the row time held, poses, depths and intrinsics solved for.
+double solvedCost(double row_time_s, const std::vector<Candidate>& candidates, Camera camera) {
+  std::vector<Segment> segments;
+  for (const Candidate& candidate : candidates) {
+    segments.push_back(candidate.segment);
+    setRowTimeOfScene(row_time_s, camera, &segments.back());
+  }
+  Problem problem{&camera, true, {}};
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    problem.blocks.push_back(freeBlock(&segments[i], camera));
+    problem.blocks.back().sigma_scale = candidates[i].sigma_scale;
+  }
+  return solve(problem, SolverOptions()).final_cost;
+}
+
+TEST(Shutter, ProfileToFirstOrderIsThatOfSolutions) {
+  ASSERT_TRUE(rolling().state);
+  const std::vector<Candidate>& candidates = rolling().state->segments;
+  const Camera& camera = rolling().state->camera;
+  std::vector<Segment> segments;
+  for (const Candidate& candidate : candidates) segments.push_back(candidate.segment);
+  std::vector<SegmentBlock> blocks;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    blocks.push_back(freeBlock(&segments[i], camera));
+    blocks.back().sigma_scale = candidates[i].sigma_scale;
+  }
+  const RowTimeEstimate estimate = estimateRowTime(blocks, camera, IntrinsicsPrior(), 1);
+  ASSERT_TRUE(estimate.usable);
+  const double present = segments.front().keyframes.front().row_time_s;
+  const double step = 2.0 * estimate.sigma_s;
+  const double before = solvedCost(present - step, candidates, camera);
+  const double here = solvedCost(present, candidates, camera);
+  const double after = solvedCost(present + step, candidates, camera);
+  const double bend = (before - 2.0 * here + after) / (step * step);
+  const double solved = present - 0.5 * (after - before) / step / bend;
+  EXPECT_NEAR(estimate.row_time_s, solved, 0.3 * estimate.sigma_s);
+  EXPECT_NEAR(estimate.sigma_s * std::sqrt(bend), 1.0, 0.15);
 }
 
 TEST(Shutter, PixelsCanBePutBack) {
