@@ -149,7 +149,6 @@ std::vector<Track> FeatureTracks::detect() {
     const std::optional<Live> live = startTrack();
     if (!live) continue;
     live_.push_back(*live);
-    points_[live->track.id] = live->point;
     started.push_back(live->track);
   }
   return started;
@@ -165,9 +164,10 @@ void FeatureTracks::drop(const std::vector<std::int64_t>& ids) {
 void FeatureTracks::reset() { live_.clear(); }
 
 std::optional<Eigen::Vector3d> FeatureTracks::point(std::int64_t id) const {
-  const auto found = points_.find(id);
-  if (found == points_.end()) return std::nullopt;
-  return found->second;
+  const auto found = std::find_if(live_.begin(), live_.end(),
+                                  [id](const Live& live) { return live.track.id == id; });
+  if (found == live_.end()) return std::nullopt;
+  return found->point;
 }
 
 }  // namespace camera_self_calibration

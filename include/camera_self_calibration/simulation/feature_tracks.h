@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <unordered_map>
 #include <unordered_set>
 #include <vector>
 
@@ -57,7 +56,7 @@ class FeatureTracks {
 
   // Ground truth.
 
-  /// The 3-D point of a track that lives or lived, world frame [m].
+  /// The 3-D point of a track that lives, world frame [m].
   std::optional<Eigen::Vector3d> point(std::int64_t id) const;
   /// Whether the track's measurement in the newest frame is a gross error.
   bool isOutlier(std::int64_t id) const { return outliers_.count(id) > 0; }
@@ -95,7 +94,6 @@ class FeatureTracks {
   std::vector<Live> live_;
   TrackedFrame frame_;
   std::unordered_set<std::int64_t> outliers_;
-  std::unordered_map<std::int64_t, Eigen::Vector3d> points_;
 };
 
 }  // namespace camera_self_calibration
