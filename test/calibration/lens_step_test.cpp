@@ -101,6 +101,25 @@ TEST(LensStep, NoSingleStretchDecides) {
   }
 }
 
+// Trials of 200 that show a drift.
+template <typename Change>
+int drifting(const Change& change) {
+  int count = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    count += showsDrift(stretchesWith(change, seed), lens(), kNowNs);
+  }
+  return count;
+}
+
+TEST(LensStep, IsToldFromADrift) {
+  EXPECT_GE(drifting([](double t) { return 0.01 * t / 60.0; }), 190);
+  EXPECT_GE(drifting([](double t) { return 0.02 * std::max(0.0, t - 30.0) / 60.0; }), 190);
+  EXPECT_LE(drifting([](double) { return 0.0; }), 10);
+  for (const double size : {0.01, 0.03}) {
+    EXPECT_LE(drifting([&](double t) { return t > 30.0 ? size : 0.0; }), 10) << size;
+  }
+}
+
 TEST(LensStep, TooFewStretchesSayNothing) {
   auto stretches = stretchesWith([](double t) { return t > 5.0 ? 0.01 : 0.0; }, 1);
   stretches.resize(3);
