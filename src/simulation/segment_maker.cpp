@@ -25,6 +25,7 @@ struct View {
 struct Recorded {
   Track first;
   int born = -1;  // keyframe of its detection; -1: before the segment
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  // in the world [m]
   std::vector<View> views;
 };
 
@@ -75,7 +76,9 @@ Keyframe keyframeAt(const FeatureTracks& tracks, std::int64_t stamp_ns, int inde
 }
 
 void detect(int keyframe, FeatureTracks* tracks, std::map<std::int64_t, Recorded>* recorded) {
-  for (const Track& track : tracks->detect()) (*recorded)[track.id] = Recorded{track, keyframe, {}};
+  for (const Track& track : tracks->detect()) {
+    (*recorded)[track.id] = Recorded{track, keyframe, *tracks->point(track.id), {}};
+  }
 }
 
 // Runs the tracks over warm-up and segment; the map is ordered by track id.
@@ -101,7 +104,7 @@ std::map<std::int64_t, Recorded> record(const SegmentOptions& options, FeatureTr
   return recorded;
 }
 
-void append(const Recorded& track, const Eigen::Vector3d& point, SimulatedSegment* out) {
+void append(const Recorded& track, SimulatedSegment* out) {
   Segment& segment = out->segment;
   Landmark landmark;
   landmark.track_id = track.first.id;
@@ -111,12 +114,12 @@ void append(const Recorded& track, const Eigen::Vector3d& point, SimulatedSegmen
       landmark.anchored ? track.first.reference_pixel : track.views.front().pixel;
   const Rigid3& world_from_camera =
       segment.keyframes[static_cast<std::size_t>(landmark.reference)].world_from_camera;
-  const Eigen::Vector3d in_reference = world_from_camera.inverse() * point;
+  const Eigen::Vector3d in_reference = world_from_camera.inverse() * track.point;
   landmark.bearing = in_reference.normalized();
   landmark.inverse_depth = 1.0 / in_reference.norm();
   const int index = static_cast<int>(segment.landmarks.size());
   segment.landmarks.push_back(landmark);
-  out->points.push_back(point);
+  out->points.push_back(track.point);
   for (const View& view : track.views) {
     segment.observations.push_back({index, view.keyframe, view.pixel, view.sigma});
     out->outliers.push_back(view.outlier);
@@ -153,7 +156,7 @@ SimulatedSegment makeSegment(const SegmentOptions& options, std::uint64_t seed) 
   const auto recorded = record(options, &tracks, &out.segment.keyframes);
   for (const auto& [id, track] : recorded) {
     const int views = static_cast<int>(track.views.size()) + (track.born >= 0 ? 1 : 0);
-    if (views >= options.min_views) append(track, *tracks.point(id), &out);
+    if (views >= options.min_views) append(track, &out);
   }
   return out;
 }
