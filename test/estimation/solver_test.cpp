@@ -1,4 +1,3 @@
-#include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
 
 #include <gtest/gtest.h>
@@ -7,6 +6,7 @@
 
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
 #include "estimation/sample_segments.h"
 
 namespace camera_self_calibration {

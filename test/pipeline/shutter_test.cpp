@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "camera_self_calibration/calibration/row_time.h"
+#include "camera_self_calibration/calibration/queue_estimate.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
@@ -105,21 +105,17 @@ double solvedCost(double row_time_s, const std::vector<Candidate>& candidates, C
 TEST(Shutter, ProfileToFirstOrderIsThatOfSolutions) {
   ASSERT_TRUE(rolling().state);
   const std::vector<Candidate>& candidates = rolling().state->segments;
-  const Camera& camera = rolling().state->camera;
-  std::vector<Segment> segments;
-  for (const Candidate& candidate : candidates) segments.push_back(candidate.segment);
-  std::vector<SegmentBlock> blocks;
-  for (std::size_t i = 0; i < segments.size(); ++i) {
-    blocks.push_back(freeBlock(&segments[i], camera));
-    blocks.back().sigma_scale = candidates[i].sigma_scale;
-  }
-  const RowTimeEstimate estimate = estimateRowTime(blocks, camera, IntrinsicsPrior(), 1);
+  QueueEstimate queue(1);
+  for (const Candidate& candidate : candidates) queue.add(candidate);
+  QueueSolution solution;
+  solution.camera = rolling().state->camera;
+  const RowTimeEstimate estimate = queue.rowTime(solution);
   ASSERT_TRUE(estimate.usable);
-  const double present = segments.front().keyframes.front().row_time_s;
+  const double present = candidates.front().segment.keyframes.front().row_time_s;
   const double step = 2.0 * estimate.sigma_s;
-  const double before = solvedCost(present - step, candidates, camera);
-  const double here = solvedCost(present, candidates, camera);
-  const double after = solvedCost(present + step, candidates, camera);
+  const double before = solvedCost(present - step, candidates, solution.camera);
+  const double here = solvedCost(present, candidates, solution.camera);
+  const double after = solvedCost(present + step, candidates, solution.camera);
   const double bend = (before - 2.0 * here + after) / (step * step);
   const double solved = present - 0.5 * (after - before) / step / bend;
   EXPECT_NEAR(estimate.row_time_s, solved, 0.3 * estimate.sigma_s);
