@@ -12,7 +12,7 @@ namespace {
 
 // Keyframes more in the startup batch, after which it is asked again.
 constexpr int kKeyframesBetween = 3;
-// Changes of the queue after which it is asked again, which takes three solutions of the queue.
+// Changes of the queue after which it is asked again, which takes three linearisations.
 constexpr int kSwapsBetween = 5;
 
 // With a global shutter there is nothing to free it of.

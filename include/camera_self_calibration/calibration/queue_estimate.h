@@ -27,8 +27,9 @@ struct QueueSolution {
   /// Sum of the segments' marginals at the joint optimum, divided by the square of `inflation`.
   IntrinsicsMatrix information;
   std::vector<BlockShare> shares;  ///< The segments' marginals, in the queue's order.
-  /// The inverse of the information, made larger where residuals are correlated along tracks
-  /// (Marginal::robustCovariance); empty where the information is singular.
+  /// The inverse of what is left of the information without what noise in the inverse depths feigns
+  /// (DepthNoise::kDiscounted), made larger where residuals are correlated along tracks
+  /// (Marginal::robustCovariance); empty where that is singular.
   IntrinsicsMatrix covariance;
   /// How far the segments disagree beyond their own uncertainties: sqrt of chi-square per degree of
   /// freedom, at least 1. Each segment's share of the chi-square is twice what its cost rises from
