@@ -160,13 +160,14 @@ Segment extended(const Segment& batch, const Segment& history, const Camera& cam
     }
     return result;
   };
-  int earlier = 0;
-  for (const Keyframe& keyframe : keyframes) {
-    const auto present = static_cast<std::size_t>(history.earlier_keyframes);
-    earlier += present < history.keyframes.size() && keyframe.id < history.keyframes[present].id;
-  }
+  // History dates a change of the lens only where it reaches back beyond it.
+  const int present = history.earlier_keyframes;
+  const bool dated = present > 0 && present < static_cast<int>(history.keyframes.size());
+  const auto before = [&](const Keyframe& k) { return k.id < history.keyframes[present].id; };
+  const auto earlier =
+      dated ? std::count_if(keyframes.begin(), keyframes.end(), before) : batch.earlier_keyframes;
   Assembly assembly(std::move(keyframes));
-  assembly.setEarlier(history, earlier);
+  assembly.setEarlier(dated ? history : batch, static_cast<int>(earlier));
   assembly.add(batch, indices(batch), true);
   assembly.add(history, indices(history), false);
   return assembly.build(&camera);

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -93,6 +94,26 @@ TEST(Extended, KeepsWhatIsSolvedAndWhatHistoryForgot) {
 }
 
 // What is left out takes its observations with it and changes no other prediction.
+// History slides on beyond a change of the lens, the batch still reaches back to it.
+TEST(Extended, KeyframesKeepTheLensThatTheyWereTakenWith) {
+  const SimulatedSegment made = sample(LandmarkOrigin::kInherited);
+  Segment changed = made.segment;
+  changed.earlier_camera = std::make_shared<const Camera>(made.camera);
+  changed.earlier_keyframes = 5;
+  std::vector<int> index;
+  Segment batch = prefixOf(changed, 9, 1, &index);
+  batch = withoutKeyframe(batch, 2);  // one of the earlier lens
+  for (int oldest = 3; oldest < 8; ++oldest) {
+    Segment history = changed;
+    for (int k = 0; k < oldest; ++k) history = withoutKeyframe(history, 0);
+    history.earlier_camera = changed.earlier_camera;  // the map still knows of it
+    batch = extended(batch, history, made.camera);
+    ASSERT_EQ(batch.keyframes.size(), 13u);
+    EXPECT_EQ(batch.earlier_keyframes, 4) << oldest;
+    EXPECT_EQ(batch.earlier_camera, changed.earlier_camera) << oldest;
+  }
+}
+
 TEST(WithoutKeyframe, LeavesTheRestAsItWas) {
   for (const auto origin : {LandmarkOrigin::kAnchored, LandmarkOrigin::kInherited}) {
     SimulatedSegment made = sample(origin);
