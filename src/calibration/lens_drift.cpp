@@ -17,6 +17,9 @@ constexpr double kRates[] = {3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 1e-2};
 // Twice the logarithm of the likelihood ratio: by chance in one of fifty queues.
 constexpr double kSignificant = 4.0;
 constexpr double kSignificantWithout = 2.0;  // any one of the stretches
+// Times their sigmas by which stretches may still disagree: a drift that leaves more explains
+// nothing.
+constexpr double kMaxInflation = 5.0;
 
 double minutesAgo(const Evidence& stretch, std::int64_t now_ns) {
   const double middle = 0.5 * (static_cast<double>(stretch.begin_ns - now_ns) +
@@ -49,8 +52,9 @@ std::vector<Saying> sayingsOf(const std::vector<Evidence>& stretches, const Intr
 }
 
 struct Fit {
-  double misfit = std::numeric_limits<double>::infinity();  // -2 log likelihood
-  Eigen::VectorXd now;                                      // from the point
+  double misfit = std::numeric_limits<double>::infinity();    // -2 log likelihood
+  double variance = std::numeric_limits<double>::infinity();  // by which the stretches' is larger
+  Eigen::VectorXd now;                                        // from the point
   Eigen::MatrixXd covariance;
 };
 
@@ -91,16 +95,19 @@ Fit fitWalk(const std::vector<Saying>& sayings, const Intrinsics& direction, dou
   const Eigen::VectorXd best = inverse * gradient;
   const double left = std::max(0.0, square - gradient.dot(best));
   // The factor of all variances that is likeliest, as stretches may disagree in everything.
-  const double variance = std::max(1.0, left / freedom);
-  fit.misfit = freedom * std::log(variance) + log_determinant + left / variance;
+  fit.variance = std::max(1.0, left / freedom);
+  fit.misfit = freedom * std::log(fit.variance) + log_determinant + left / fit.variance;
   fit.now = best.head(c);
-  fit.covariance = variance * inverse.topLeftCorner(c, c);
+  fit.covariance = fit.variance * inverse.topLeftCorner(c, c);
   return fit;
 }
 
-// By how much a walk of this rate is the better explanation.
+bool explains(const Fit& walk) { return walk.variance <= kMaxInflation * kMaxInflation; }
+
+// By how much a walk of this rate is the better explanation; not at all if it is none.
 double evidenceFor(const std::vector<Saying>& sayings, const Intrinsics& direction, double rate) {
-  return fitWalk(sayings, direction, 0.0).misfit - fitWalk(sayings, direction, rate).misfit;
+  const Fit walk = fitWalk(sayings, direction, rate);
+  return explains(walk) ? fitWalk(sayings, direction, 0.0).misfit - walk.misfit : 0.0;
 }
 
 // No single stretch may decide: one that shows something that moves is not the lens's.
@@ -140,7 +147,7 @@ LensDrift estimateDrift(const std::vector<Evidence>& queue, const std::vector<Ev
     best = fit;
     drift.rate = rate;
   }
-  if (!(still.misfit - best.misfit > kSignificant) ||
+  if (!explains(best) || !(still.misfit - best.misfit > kSignificant) ||
       !holdsWithoutAny(sayings, direction, drift.rate)) {
     return LensDrift();
   }

@@ -77,6 +77,14 @@ TEST(LensDrift, DisagreementInOtherParametersIsNoDrift) {
   EXPECT_LE(drifting, 3);
 }
 
+// A walk of the fastest drift comes nearer to jumps than a lens that stays does.
+TEST(LensDrift, ManyJumpsAreNoDrift) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Random random(mixSeed(seed, 1));
+    EXPECT_FALSE(driftOf([&](double) { return random.uniform(-0.15, 0.15); }, seed).significant);
+  }
+}
+
 TEST(LensDrift, TooFewStretchesSayNothing) {
   EXPECT_FALSE(estimateDrift({}, {}, lens(), kNowNs).significant);
   Evidence stretch;

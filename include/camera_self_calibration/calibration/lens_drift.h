@@ -15,7 +15,8 @@ Intrinsics alongFocalLength(const Intrinsics& point);
 /// with s a random walk that is 0 now (`var(s_i - s_j) = rate^2 |t_i - t_j|`), and all other
 /// intrinsics constant. The rate is that of the largest restricted likelihood, on a grid, where it
 /// is a clearly better explanation than segments that disagree by the same factor in everything,
-/// also without any one of them. x follows from all stretches, each weighted by how long ago it
+/// also without any one of them, and leaves them disagreeing by no more than is believed at
+/// hand-over. x follows from all stretches, each weighted by how long ago it
 /// was.
 ///
 /// `queue` and `others` (which shares no moment with it) are of the intrinsics of `camera`, the
