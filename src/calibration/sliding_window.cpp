@@ -40,6 +40,42 @@ std::vector<int> seenByFixedAlone(const Segment& segment, int fixed_keyframes) {
   return result;
 }
 
+int newest(const Segment& segment) { return static_cast<int>(segment.keyframes.size()) - 1; }
+
+std::vector<Landmark> seenIn(int k, const Segment& segment) {
+  std::vector<Landmark> seen;
+  for (const Landmark& landmark : segment.landmarks) {
+    if (landmark.anchored && landmark.reference == k) seen.push_back(landmark);
+  }
+  for (const Observation& observation : segment.observations) {
+    if (observation.keyframe == k) seen.push_back(segment.landmarks[observation.landmark]);
+  }
+  return seen;
+}
+
+// In keyframe `k`, of the landmarks that are seen there.
+double inverseDepthAt(int k, const Segment& segment) {
+  std::vector<double> depths;
+  for (const Landmark& landmark : seenIn(k, segment)) {
+    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
+                                          landmark.bearing, landmark.inverse_depth,
+                                          segment.keyframes[k].world_from_camera));
+  }
+  return typicalInverseDepth(std::move(depths));
+}
+
+// Moves and scales a segment so that keyframe `k` has this pose and typical inverse depth.
+void keepPoseAndDepth(int k, const Rigid3& pose, double inverse_depth, Segment* segment) {
+  const Rigid3 solved = segment->keyframes[k].world_from_camera;
+  const double scale = inverseDepthAt(k, *segment) / inverse_depth;
+  for (Keyframe& keyframe : segment->keyframes) {
+    Rigid3 kept_from_camera = solved.inverse() * keyframe.world_from_camera;
+    kept_from_camera.translation *= scale;
+    keyframe.world_from_camera = pose * kept_from_camera;
+  }
+  for (Landmark& landmark : segment->landmarks) landmark.inverse_depth /= scale;
+}
+
 SolverOptions windowSolver() {
   SolverOptions options;
   options.max_iterations = 8;
@@ -57,32 +93,6 @@ SlidingWindow::SlidingWindow(const SlidingWindowOptions& options, const Camera& 
 
 Rigid3 SlidingWindow::newestPose() const {
   return map_.keyframes().empty() ? Rigid3() : map_.keyframes().back().world_from_camera;
-}
-
-// In the segment's last keyframe, of the landmarks that are seen there.
-static double newestInverseDepth(const Segment& segment) {
-  std::vector<double> depths;
-  const int last = static_cast<int>(segment.keyframes.size()) - 1;
-  for (const Observation& observation : segment.observations) {
-    if (observation.keyframe != last) continue;
-    const Landmark& landmark = segment.landmarks[observation.landmark];
-    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
-                                          landmark.bearing, landmark.inverse_depth,
-                                          segment.keyframes[last].world_from_camera));
-  }
-  return typicalInverseDepth(std::move(depths));
-}
-
-void SlidingWindow::keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth,
-                                           Segment* segment) const {
-  const Rigid3 solved = segment->keyframes.back().world_from_camera;
-  const double scale = newestInverseDepth(*segment) / inverse_depth;
-  for (Keyframe& keyframe : segment->keyframes) {
-    Rigid3 newest_from_camera = solved.inverse() * keyframe.world_from_camera;
-    newest_from_camera.translation *= scale;
-    keyframe.world_from_camera = pose * newest_from_camera;
-  }
-  for (Landmark& landmark : segment->landmarks) landmark.inverse_depth /= scale;
 }
 
 // Keyframes from before a change of the lens keep the generation that they were estimated with.
@@ -136,35 +146,37 @@ void SlidingWindow::solveUnconditioned() {
   Segment segment = map_.lastKeyframes(options_.active_keyframes, camera_);
   if (segment.landmarks.empty()) return;
   const Rigid3 pose = newestPose();
-  const double inverse_depth = newestInverseDepth(segment);
+  const double inverse_depth = inverseDepthAt(newest(segment), segment);
   Problem problem{&camera_, false, {freeBlock(&segment, camera_)}};
   problem.blocks[0].depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};
   if (!solve(problem, windowSolver()).usable) return;
-  keepNewestPoseAndDepth(pose, inverse_depth, &segment);
+  keepPoseAndDepth(newest(segment), pose, inverse_depth, &segment);
   takeGeneration(&segment);
   map_.update(segment);
 }
 
 void SlidingWindow::reseed(const Segment& solution) {
   if (solution.keyframes.size() < 2) return;
-  const Keyframe* newest = map_.keyframe(solution.keyframes.back().id);
-  if (newest == nullptr) return;
+  const bool from_before =
+      solution.isEarlier(0) && map_.keyframe(solution.keyframes.front().id) != nullptr;
+  const int k = from_before ? 0 : newest(solution);
+  const Keyframe* kept = map_.keyframe(solution.keyframes[k].id);
+  if (kept == nullptr) return;
   Segment known = solution;
-  keepNewestPoseAndDepth(newest->world_from_camera, medianDepthOf(solution, *newest), &known);
+  keepPoseAndDepth(k, kept->world_from_camera, medianDepthOf(solution, k, *kept), &known);
   takeGeneration(&known);
   map_.update(known);
 }
 
-// Over just the points that newestInverseDepth looks at: others would shift the median and, one
+// Over just the points that inverseDepthAt looks at: others would shift the median and, one
 // reseeding after the other, let the scale run away.
-double SlidingWindow::medianDepthOf(const Segment& solution, const Keyframe& newest) const {
+double SlidingWindow::medianDepthOf(const Segment& solution, int k,
+                                    const Keyframe& keyframe) const {
   std::vector<double> depths;
-  const int last = static_cast<int>(solution.keyframes.size()) - 1;
-  for (const Observation& observation : solution.observations) {
-    if (observation.keyframe != last) continue;
-    const auto found = map_.points().find(solution.landmarks[observation.landmark].track_id);
+  for (const Landmark& landmark : seenIn(k, solution)) {
+    const auto found = map_.points().find(landmark.track_id);
     if (found == map_.points().end()) continue;
-    const auto depth = map_.inverseDepthFrom(newest.world_from_camera, found->second, camera_);
+    const auto depth = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
     if (depth) depths.push_back(*depth);
   }
   return typicalInverseDepth(std::move(depths));
@@ -303,7 +315,8 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
     const double baseline = (segment.keyframes[0].world_from_camera.translation -
                              segment.keyframes[conditioning - 1].world_from_camera.translation)
                                 .norm();
-    if (baseline * newestInverseDepth(segment) > kSeparatedPoses) block.fixed_landmark = -1;
+    if (baseline * inverseDepthAt(newest(segment), segment) > kSeparatedPoses)
+      block.fixed_landmark = -1;
     block.fixed_keyframes = conditioning;
   }
   block.depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};

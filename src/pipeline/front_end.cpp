@@ -51,6 +51,7 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t fi
 void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;
   well_known_ = handed_over_ && update.uncertainty_px < kWellKnown * update.camera.width();
+  const Rigid3 newest = window_.newestPose();
   if (update.epoch != epoch_) {
     epoch_ = update.epoch;
     epoch_onset_ns_ = update.onset_ns;
@@ -63,7 +64,9 @@ void FrontEnd::adopt(const CalibrationUpdate& update) {
   } else {
     window_.adopt(update.camera, update.generation, update.handed_over);
   }
-  // The newest keyframe kept its pose; the frames since then are located again from the next on.
+  // Frames since the newest keyframe are located again from the next on. It kept its pose, but
+  // soon after a change of the lens.
+  world_from_camera_ = window_.newestPose() * (newest.inverse() * world_from_camera_);
 }
 
 void FrontEnd::resetMap() {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <memory>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
@@ -240,6 +241,43 @@ TEST_F(SlidingWindowTest, ReseedTakesASolutionAndKeepsPoseAndDepth) {
   window.reseed(solution);
   EXPECT_LT((window.newestPose().translation - pose.translation).norm(), 1e-9);
   window.reseed(Segment());
+}
+
+// What came since the change was solved with the wrong lens, and its scale is of no worth.
+TEST_F(SlidingWindowTest, ReseedAcrossAChangeOfTheLensKeepsWhatCameBefore) {
+  SlidingWindow window(SlidingWindowOptions(), kTruth);
+  for (int k = 0; k < 12; ++k) addKeyframe(&window);
+  // Of the way since the change to that before it.
+  const auto growth = [&window] {
+    const auto& list = window.map().keyframes();
+    const auto way = [&](int a, int b) {
+      return (list[b].world_from_camera.translation - list[a].world_from_camera.translation).norm();
+    };
+    return way(5, 11) / way(0, 5);
+  };
+  const double true_growth = growth();
+  const Segment right = window.map().segmentFrom(0, kTruth);
+  Segment wrong = right;
+  for (std::size_t k = 6; k < 12; ++k) {
+    const Eigen::Vector3d origin = right.keyframes[5].world_from_camera.translation;
+    Eigen::Vector3d& position = wrong.keyframes[k].world_from_camera.translation;
+    position = origin + 2.0 * (position - origin);
+  }
+  window.reseed(wrong);
+  const Rigid3 first = window.map().keyframes().front().world_from_camera;
+  const double depth = window.map().medianInverseDepth(0, kTruth);
+  EXPECT_NEAR(growth() / true_growth, 2.0, 1e-6);
+  Segment solution = right;  // at three times the scale
+  for (Keyframe& keyframe : solution.keyframes) keyframe.world_from_camera.translation *= 3.0;
+  for (Landmark& landmark : solution.landmarks) landmark.inverse_depth /= 3.0;
+  solution.earlier_camera = std::make_shared<const Camera>(kTruth);
+  solution.earlier_keyframes = 6;
+  window.reseed(solution);
+  const Rigid3& kept = window.map().keyframes().front().world_from_camera;
+  EXPECT_LT((kept.translation - first.translation).norm(), 1e-9);
+  EXPECT_LT(kept.rotation.angularDistance(first.rotation), 1e-9);
+  EXPECT_NEAR(window.map().medianInverseDepth(0, kTruth) / depth, 1.0, 1e-6);
+  EXPECT_NEAR(growth() / true_growth, 1.0, 1e-6);
 }
 
 // Whatever it is given, the next keyframe comes.

@@ -124,6 +124,20 @@ TEST(Change, PosesGoOnAcrossIt) {
                                   run.tracks().worldFromCamera(frame.stamp_ns));
     EXPECT_LT(estimate.rotation.angularDistance(truth.rotation), 0.03) << i;
   }
+  // And so is the scale, once the lens is known again: before, poses still move with it.
+  const auto scale = [&](std::size_t from, std::size_t to) {
+    double estimate = 0.0, truth = 0.0;
+    for (std::size_t i = from; i < to; ++i) {
+      const FrameResult& a = run.record.frames[i];
+      const FrameResult& b = run.record.frames[i + 1];
+      estimate += (b.world_from_camera.translation - a.world_from_camera.translation).norm();
+      truth += (run.tracks().worldFromCamera(b.stamp_ns).translation -
+                run.tracks().worldFromCamera(a.stamp_ns).translation)
+                   .norm();
+    }
+    return estimate / truth;
+  };
+  EXPECT_NEAR(scale(230, 259) / scale(110, 150), 1.0, 0.15);
 }
 
 TEST(Change, ASettingThatReturnsIsRecognised) {

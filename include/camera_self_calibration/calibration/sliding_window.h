@@ -49,7 +49,9 @@ class SlidingWindow {
   const Map& map() const { return map_; }
 
   /// Replaces poses and depths by those of a solution of the same keyframes and tracks, such as the
-  /// startup batch's, moved and scaled to keep the newest pose and the median depth.
+  /// startup batch's, moved and scaled to keep the newest pose and the median depth there. Where it
+  /// reaches back beyond a change of the lens, those of its oldest keyframe are kept: what came
+  /// since the change was estimated with the wrong lens at first.
   void reseed(const Segment& solution);
 
   /// The pose of a frame from the map's points alone; `guess` should be near.
@@ -98,10 +100,9 @@ class SlidingWindow {
   std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
   std::vector<std::int64_t> tracksAtOdds(const Rigid3& pose,
                                          const std::vector<Track>& tracks) const;
-  double medianDepthOf(const Segment& solution, const Keyframe& newest) const;
+  double medianDepthOf(const Segment& solution, int k, const Keyframe& keyframe) const;
   bool nearTrueCamera(const Keyframe& keyframe) const;
   int conditioningCount() const;
-  void keepNewestPoseAndDepth(const Rigid3& pose, double inverse_depth, Segment* segment) const;
   void takeGeneration(Segment* segment) const;
   void rememberDepth(const Segment& segment, int fixed_keyframes);
   std::vector<std::int64_t> solveWindow();
