@@ -14,10 +14,6 @@
 namespace camera_self_calibration {
 namespace {
 
-// Disagreement of the queue's segments that is more likely than this is chance: the sigmas are
-// right and the inflation is no estimate of a variance.
-constexpr double kByChance = 0.05;
-
 // Evidence of one block at its present state.
 Evidence linearized(const SegmentBlock& block, const Camera& camera) {
   const int count = camera.estimatedCount();
@@ -33,6 +29,12 @@ Intrinsics estimated(const Camera& camera) {
   return camera.parameters().head(camera.estimatedCount());
 }
 
+// Degrees of freedom that the sigmas themselves count for beside the scatter that was seen, which
+// in two stretches alone could be of any size by chance.
+constexpr int kPriorFreedom = 5;
+
+double squared(double value) { return value * value; }
+
 // Sums of gradient and information at the reference, with its inflation.
 Evidence pooled(const std::vector<Evidence>& evidence, const Reference& reference) {
   const Intrinsics point = estimated(reference.camera);
@@ -45,7 +47,7 @@ Evidence pooled(const std::vector<Evidence>& evidence, const Reference& referenc
     sum.gradient += one.gradientAt(point);
     sum.information += one.information;
   }
-  const double weight = 1.0 / (reference.inflation * reference.inflation);
+  const double weight = 1.0 / squared(reference.scatter.inflation());
   sum.gradient *= weight;
   sum.information *= weight;
   return sum;
@@ -128,29 +130,38 @@ std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t en
                                           const QueueEstimate& queue,
                                           const QueueSolution& solution) {
   if (!solution.usable || solution.shares.size() != queue.candidates().size()) return std::nullopt;
-  Reference reference{solution.camera, solution.information, solution.inflation, 0};
   const int count = solution.camera.estimatedCount();
-  const double weight = 1.0 / (solution.inflation * solution.inflation);
-  Intrinsics gradient = Intrinsics::Zero(count);  // of the rest, at the joint optimum
+  // Of the rest, at the joint optimum.
+  IntrinsicsMatrix information = squared(solution.scatter.inflation()) * solution.information;
+  Intrinsics gradient = Intrinsics::Zero(count);
+  double chi_square = 0.0;
   int kept = 0;
   for (std::size_t i = 0; i < solution.shares.size(); ++i) {
     const Segment& segment = queue.candidates()[i].segment;
+    const BlockShare& share = solution.shares[i];
     if (segment.endNs() < begin_ns || segment.beginNs() > end_ns) {
       ++kept;
+      chi_square += share.gradient.dot(
+          share.information.completeOrthogonalDecomposition().solve(share.gradient));
       continue;
     }
-    reference.information -= weight * solution.shares[i].information;
-    gradient -= weight * solution.shares[i].gradient;
+    information -= share.information;
+    gradient -= share.gradient;
   }
-  const auto covariance = covarianceFromInformation(reference.information);
+  const auto covariance = covarianceFromInformation(information);
   if (kept == 0 || !covariance) return std::nullopt;
+  Reference reference{solution.camera, information, solution.scatter};
+  const Intrinsics step = *covariance * gradient;
   Intrinsics parameters = solution.camera.parameters();
-  parameters.head(count) += *covariance * gradient;
+  parameters.head(count) += step;
   reference.camera.setParameters(parameters);
-  const int freedom = count * (std::max(2, static_cast<int>(queue.candidates().size())) - 1);
-  const double disagreement = solution.inflation * solution.inflation * freedom;
-  if (chiSquareExceedance(disagreement, freedom) < kByChance) reference.inflation_freedom = freedom;
   if (!reference.camera.valid()) return std::nullopt;
+  // One that is tested must not be excused by what an earlier version of itself disagreed.
+  if (kept > 1 && kept < static_cast<int>(solution.shares.size())) {
+    chi_square = std::clamp(chi_square - gradient.dot(step), 0.0, solution.scatter.chi_square);
+    reference.scatter = {chi_square, count * (kept - 1)};
+  }
+  reference.information /= squared(reference.scatter.inflation());
   return reference;
 }
 
@@ -191,8 +202,12 @@ double fExceedance(double value, int numerator_freedom, int denominator_freedom)
 
 double pValue(double statistic, const Reference& reference) {
   const int count = reference.camera.estimatedCount();
-  if (reference.inflation_freedom <= 0) return chiSquareExceedance(statistic, count);
-  return fExceedance(statistic / count, count, reference.inflation_freedom);
+  const Scatter& scatter = reference.scatter;
+  if (scatter.inflationFreedom() == 0) return chiSquareExceedance(statistic, count);
+  const int freedom = scatter.inflationFreedom() + kPriorFreedom;
+  const double variance = (scatter.chi_square + kPriorFreedom) / freedom;
+  const double ratio = squared(scatter.inflation()) / variance;  // statistic is in inflated sigmas
+  return fExceedance(ratio * statistic / count, count, freedom);
 }
 
 }  // namespace camera_self_calibration

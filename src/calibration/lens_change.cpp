@@ -90,13 +90,14 @@ LensChange compare(const Segment& segment, int earlier_keyframes, const Referenc
     return change;
   }
   change.residual_scale = fit.residual_scale;
-  const double sigma_scale = fit.marginal.sigmaScale() * reference.inflation;
+  const double inflation = reference.scatter.inflation();
+  const double sigma_scale = fit.marginal.sigmaScale() * inflation;
   change.information = fit.marginal.information / (sigma_scale * sigma_scale);
   const int count = change.camera.estimatedCount();
   Evidence evidence;
   evidence.point = change.camera.parameters().head(count);
   evidence.gradient = Intrinsics::Zero(count);
-  evidence.information = change.information * (reference.inflation * reference.inflation);
+  evidence.information = change.information * (inflation * inflation);
   const double quadratic = agreement({evidence}, reference).statistic;
   const Intrinsics between = compromise({evidence}, reference);
   const Camera lens = withEstimated(reference.camera, between);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "camera_self_calibration/calibration/scatter.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 
 namespace camera_self_calibration {
@@ -17,9 +18,6 @@ constexpr double kRates[] = {3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 1e-2};
 // Twice the logarithm of the likelihood ratio: by chance in one of fifty queues.
 constexpr double kSignificant = 4.0;
 constexpr double kSignificantWithout = 2.0;  // any one of the stretches
-// Times their sigmas by which stretches may still disagree: a drift that leaves more explains
-// nothing.
-constexpr double kMaxInflation = 5.0;
 
 double minutesAgo(const Evidence& stretch, std::int64_t now_ns) {
   const double middle = 0.5 * (static_cast<double>(stretch.begin_ns - now_ns) +
@@ -102,6 +100,7 @@ Fit fitWalk(const std::vector<Saying>& sayings, const Intrinsics& direction, dou
   return fit;
 }
 
+// A walk that leaves the stretches disagreeing explains nothing.
 bool explains(const Fit& walk) { return walk.variance <= kMaxInflation * kMaxInflation; }
 
 // By how much a walk of this rate is the better explanation; not at all if it is none.

@@ -108,9 +108,10 @@ QueueSolution QueueEstimate::solve(const Camera& start) {
   }
   const int freedom = (static_cast<int>(candidates_.size()) - 1) * problem.intrinsicsCount();
   // One segment alone cannot disagree: what was known of disagreement stays.
-  if (freedom > 0) inflation_ = std::sqrt(std::max(1.0, chi_square / freedom));
-  solution.inflation = inflation_;
-  const double variance = solution.inflation * solution.inflation;
+  if (freedom > 0) scatter_ = {chi_square, freedom};
+  solution.scatter = scatter_;
+  const double inflation = solution.scatter.inflation();
+  const double variance = inflation * inflation;
   Marginal marginal = marginalize(problem, options.huber, threads_, DepthNoise::kDiscounted);
   solution.information = marginal.whole_information / variance;
   if (const auto covariance = marginal.robustCovariance()) {
@@ -127,7 +128,7 @@ RowTimeEstimate QueueEstimate::rowTime(const QueueSolution& solution) const {
   std::vector<SegmentBlock> blocks;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     blocks.push_back(freeBlock(&segments[i], solution.camera));
-    blocks.back().sigma_scale = candidates_[i].sigma_scale * solution.inflation;
+    blocks.back().sigma_scale = candidates_[i].sigma_scale * solution.scatter.inflation();
   }
   return estimateRowTime(blocks, solution.camera, IntrinsicsPrior(), threads_);
 }

@@ -9,7 +9,7 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr std::size_t kMaxSettings = 4;
-constexpr double kDifferent = 0.01;  // p-value
+constexpr double kDifferent = 0.05;  // p-value
 
 }  // namespace
 
@@ -35,7 +35,7 @@ std::optional<Setting> SettingArchive::recall(const Camera& camera,
       continue;
     }
     const double distance = pixelDistance(solution.camera, camera).rms;
-    const Reference reference{solution.camera, solution.information, 1.0, 0};
+    const Reference reference{solution.camera, solution.information, Scatter()};
     if (!(distance < least) || agreement({evidence}, reference).p_value < kDifferent) continue;
     least = distance;
     nearest = setting;

@@ -22,7 +22,7 @@ constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a dr
 // Segments that disagree with what the lens has become at `p_value` or below.
 std::vector<std::int64_t> staleSegments(const ChangeCourse& course, const QueueEstimate& queue,
                                         double p_value) {
-  const Reference now{course.camera, course.information, 1.0, 0};
+  const Reference now{course.camera, course.information, Scatter()};
   std::vector<std::int64_t> stale;
   for (const Candidate& candidate : queue.candidates()) {
     const auto said = evidenceAt(now.camera, candidate.segment, candidate.sigma_scale);

@@ -89,9 +89,10 @@ void Startup::switchModel(const Camera& camera) {
 }
 
 void Startup::resume(const Camera& camera, const IntrinsicsMatrix& information,
-                     const Segment& solved) {
+                     const Segment& solved, const IntrinsicsMatrix& earlier_covariance) {
   reset(camera);
   segment_ = solved;
+  earlier_covariance_ = earlier_covariance;
   setInformation(information);
   usable_ = true;
   told_ = tellsLens();
@@ -237,9 +238,15 @@ void Startup::setInformation(const Marginal& marginal) {
   setInformation(IntrinsicsMatrix(marginal.information / (scale * scale)));
 }
 
+// An error of the earlier lens, which is held, shows in the present one about as large.
 void Startup::setInformation(const IntrinsicsMatrix& information) {
   information_ = information;
   covariance_ = covarianceFromInformation(information_).value_or(IntrinsicsMatrix());
+  if (segment_.isEarlier(0) && covariance_.size() > 0 &&
+      covariance_.size() == earlier_covariance_.size()) {
+    covariance_ += earlier_covariance_;
+    information_ = covarianceFromInformation(covariance_).value_or(information_);
+  }
   whole_image_uncertainty_ = pixelUncertainty(camera_, covariance_);
 }
 

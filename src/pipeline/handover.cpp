@@ -9,9 +9,6 @@
 namespace camera_self_calibration {
 namespace {
 
-// Segments that disagree by more than this factor of their uncertainties are not describing one
-// camera, or one of them sits in a wrong minimum.
-constexpr double kMaxInflation = 5.0;
 // Distance of the queue's estimate from the startup batch's, over the sum of their uncertainties,
 // beyond which one of them is wrong.
 constexpr double kMaxStartupDistance = 4.0;
@@ -66,17 +63,20 @@ BackEnd::QueueStanding BackEnd::queueStanding() const {
     const double expected = queue.startup_uncertainty.rms + queue.uncertainty.rms;
     queue.contradicts_startup = !(distance <= kMaxStartupDistance * expected);
   }
-  if (estimate_.candidates().size() < 2 || !solution_.usable) {
+  const std::size_t stretches = estimate_.candidates().size();
+  if (stretches < 2 || !solution_.usable) {
     queue.doubt = "the queue does not hold two separate stretches yet";
+  } else if (stretches < 3 && solution_.scatter.inflationFreedom() > 0) {
+    queue.doubt = "the two separate stretches disagree: a third has to tell which is right";
   } else if (queue.contradicts_startup) {
     queue.doubt = formatted(
         "the separate stretches and the whole are %.1f px rms apart, at most %.0f times their "
         "uncertainty is believed",
         distance, kMaxStartupDistance);
-  } else if (solution_.inflation > kMaxInflation) {
+  } else if (solution_.scatter.inflation() > kMaxInflation) {
     queue.doubt = formatted(
         "the stretches disagree by %.1f times their uncertainty, at most %.1f is believed",
-        solution_.inflation, kMaxInflation);
+        solution_.scatter.inflation(), kMaxInflation);
   }
   return queue;
 }

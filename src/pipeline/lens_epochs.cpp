@@ -14,6 +14,9 @@ namespace {
 // times as large.
 constexpr double kStartupSigmas = 2.0;
 constexpr std::size_t kStartupCourse = 20;  // keyframes
+// Times the limit of CONVERGED that the batch has to be good to, and an earlier setting near to it,
+// to be the same: what is vague looks like one that is near, and stretches of both do not mix.
+constexpr double kSameSetting = 0.4;
 
 std::string describe(const Event& event) {
   return formatted(": by %.2f px rms over the image, noticed after %.1f s", event.magnitude_px,
@@ -81,6 +84,8 @@ bool BackEnd::foregone(const KeyframeMessage& message) {
 // epoch that ends keep their intrinsics.
 void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events) {
   putAway(verdict.onset_ns);
+  const IntrinsicsMatrix covariance_before =
+      handed_over_ && solution_.usable ? solution_.covariance : startup_.covariance();
   Event event{EventType::kCalibrationChange, report_.stamp_ns, verdict.onset_ns, verdict.reason};
   // What is reported may have followed the change already, as a drift.
   const Camera& before = handed_over_ && solution_.usable ? solution_.camera : report_.camera;
@@ -96,7 +101,7 @@ void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* even
   clearQueue();
   startup_course_.clear();
   detector_.reset();
-  startup_.resume(verdict.camera, verdict.information, verdict.segment);
+  startup_.resume(verdict.camera, verdict.information, verdict.segment, covariance_before);
   adoptStartup(startupUncertainty());
   changed_ = true;
   for (const Candidate& candidate : verdict.recent) offer(candidate);
@@ -123,7 +128,7 @@ void BackEnd::rememberStartup() {
   if (report_.epoch == 0 || !(startupUncertainty().rms < 2.0 * convergedRms())) return;
   const double share = 1.0 / (kStartupSigmas * kStartupSigmas);
   startup_course_.emplace_back(
-      report_.stamp_ns, Reference{startup_.camera(), share * startup_.information(), 1.0, 0});
+      report_.stamp_ns, Reference{startup_.camera(), share * startup_.information(), Scatter()});
   if (startup_course_.size() > kStartupCourse) startup_course_.pop_front();
 }
 
@@ -160,9 +165,10 @@ void BackEnd::considerDrift() {
 }
 
 void BackEnd::recallSetting(std::vector<Event>* events) {
-  if (!startup_.usable() || !(startupUncertainty().rms < convergedRms())) return;
+  const double limit = kSameSetting * convergedRms();
+  if (!startup_.usable() || !(startupUncertainty().rms < limit)) return;
   const std::optional<Setting> setting =
-      settings_.recall(startup_.camera(), startup_.information(), convergedRms());
+      settings_.recall(startup_.camera(), startup_.information(), limit);
   if (!setting) return;
   queue_ = setting->queue;
   estimate_ = setting->estimate;

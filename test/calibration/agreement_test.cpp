@@ -75,8 +75,38 @@ TEST(Agreement, ReferenceWithoutASegmentIsTheEstimateOfTheOthers) {
       EXPECT_NEAR(reference->camera.parameters()(i), others.camera.parameters()(i), 0.15 * sigma)
           << toString(lens.model()) << " " << i;
     }
+    EXPECT_EQ(reference->scatter.freedom, others.scatter.freedom);
+    EXPECT_NEAR(reference->scatter.inflation(), others.scatter.inflation(), 0.2);
     EXPECT_FALSE(referenceWithout(0, kEver, all.queue, all.solution));
   }
+}
+
+// What entered the queue before it told enough must not hide what it says when it does.
+TEST(Agreement, WhatOverlapsIsNoMeasureOfScatter) {
+  const Camera lens = ordinaryCameras()[1];
+  Filled torn = filledQueue(lens, 3, 100);
+  const Candidate other = candidateOf(zoomed(lens, 1.08), lens, 1);
+  torn.queue.add(other);
+  torn.solution = torn.queue.solve(lens);
+  ASSERT_GT(torn.solution.scatter.inflation(), 3.0);
+  const Segment& segment = other.segment;
+  const auto reference =
+      referenceWithout(segment.beginNs(), segment.endNs(), torn.queue, torn.solution);
+  ASSERT_TRUE(reference);
+  EXPECT_LT(reference->scatter.inflation(), 1.7);
+  const auto evidence = evidenceAt(reference->camera, segment, other.sigma_scale);
+  ASSERT_TRUE(evidence);
+  EXPECT_LT(agreement({*evidence}, *reference).p_value, 1e-6);
+}
+
+TEST(Agreement, ScatterByChanceIsNoVariance) {
+  EXPECT_EQ(Scatter().inflation(), 1.0);
+  EXPECT_EQ(Scatter().inflationFreedom(), 0);
+  const Scatter chance{18.0, 10}, more{90.0, 10};  // 18.3: one in twenty
+  EXPECT_NEAR(chance.inflation(), std::sqrt(1.8), 1e-12);
+  EXPECT_EQ(chance.inflationFreedom(), 0);
+  EXPECT_NEAR(more.inflation(), 3.0, 1e-12);
+  EXPECT_EQ(more.inflationFreedom(), 10);
 }
 
 // A direction that the stretch does not determine says nothing, however far its estimate is.
@@ -88,7 +118,7 @@ TEST(Agreement, UndeterminedDirectionsDoNotCount) {
   evidence.information = IntrinsicsMatrix::Zero(4, 4);
   evidence.information(0, 0) = 4.0;
   evidence.gradient(0) = 4.0 * 1.0;  // fx one pixel larger, sigma 1/2
-  const Reference reference{lens, IntrinsicsMatrix::Identity(4, 4) * 4.0, 1.0, 0};
+  const Reference reference{lens, IntrinsicsMatrix::Identity(4, 4) * 4.0, Scatter()};
   EXPECT_NEAR(agreement({evidence}, reference).statistic, 1.0 / (0.25 + 0.25), 1e-9);
   EXPECT_NEAR(compromise({evidence}, reference)(0), lens.parameters()(0) + 0.5, 1e-9);
 }

@@ -36,7 +36,7 @@ std::vector<Evidence> stretchesWith(const Camera& lens, const Offset& offset, st
 class ChangeCourseTest : public testing::Test {
  protected:
   const Camera lens_ = ordinaryCameras()[0];
-  const Reference reference_{lens_, IntrinsicsMatrix::Identity(4, 4) * 1e4, 1.0, 0};
+  const Reference reference_{lens_, IntrinsicsMatrix::Identity(4, 4) * 1e4, Scatter()};
   double focal(const ChangeCourse& course) const {
     return course.camera.parameters()(0) - lens_.parameters()(0);
   }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include "camera_self_calibration/calibration/candidate_window.h"
 #include "estimation/sample_segments.h"
 
@@ -29,6 +31,17 @@ inline Camera zoomed(const Camera& camera, double factor) {
   Intrinsics parameters = camera.parameters();
   parameters.head<2>() *= factor;
   return withParameters(camera, parameters);
+}
+
+/// The segment as seen by a lens that becomes `after` before keyframe `change`.
+inline Segment withChange(Segment segment, const Camera& before, const Camera& after, int change) {
+  for (Observation& observation : segment.observations) {
+    if (observation.keyframe < change) continue;
+    const auto ray = before.unproject(observation.pixel);
+    if (!ray || !after.project(*ray, &observation.pixel)) ADD_FAILURE() << "not projected";
+  }
+  for (Landmark& landmark : segment.landmarks) landmark.anchored = false;
+  return segment;
 }
 
 }  // namespace camera_self_calibration

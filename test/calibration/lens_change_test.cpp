@@ -15,14 +15,7 @@ namespace {
 // A window in which the lens becomes `after` before keyframe `change`.
 Segment windowWithChange(const Camera& before, const Camera& after, int change,
                          std::uint64_t seed) {
-  Segment segment = windowOf(before, seed).segment;
-  for (Observation& observation : segment.observations) {
-    if (observation.keyframe < change) continue;
-    const auto ray = before.unproject(observation.pixel);
-    if (!ray || !after.project(*ray, &observation.pixel)) ADD_FAILURE() << "not projected";
-  }
-  for (Landmark& landmark : segment.landmarks) landmark.anchored = false;
-  return perturbed(segment, {}, seed);
+  return perturbed(withChange(windowOf(before, seed).segment, before, after, change), {}, seed);
 }
 
 Reference known(const Camera& lens) {
@@ -32,7 +25,7 @@ Reference known(const Camera& lens) {
     const double sigma = i < 4 ? 0.1 : 1e-4;
     information(i, i) = 1.0 / (sigma * sigma);
   }
-  return {lens, information, 1.0, 0};
+  return {lens, information, Scatter()};
 }
 
 TEST(LensChange, IsFoundAndMeasuredFromThreeKeyframes) {

@@ -41,9 +41,10 @@ TEST(QueueEstimate, JoinsWhatSegmentsTell) {
     }
     const QueueSolution solution = estimate.solve(perturbedCamera(truth, 1, 0.3));
     ASSERT_TRUE(solution.usable);
-    EXPECT_LT(solution.inflation, 1.7);
+    EXPECT_LT(solution.scatter.inflation(), 1.7);
     // Nearly the sum of the marginals at the segments' own optima.
-    const IntrinsicsMatrix raw = solution.information * solution.inflation * solution.inflation;
+    const IntrinsicsMatrix raw =
+        solution.information * solution.scatter.inflation() * solution.scatter.inflation();
     for (int i = 0; i < truth.estimatedCount(); ++i) EXPECT_NEAR(raw(i, i) / sum(i, i), 1.0, 0.3);
     // Chi-square with n_c degrees, 1 in 10000.
     EXPECT_LT(mahalanobis(solution.camera, truth, solution.information), 35.0);
@@ -57,7 +58,7 @@ TEST(QueueEstimate, OfOneSegmentIsThatSegments) {
   estimate.add(candidate);
   const QueueSolution solution = estimate.solve(candidate.camera);
   ASSERT_TRUE(solution.usable);
-  EXPECT_EQ(solution.inflation, 1.0);
+  EXPECT_EQ(solution.scatter.inflation(), 1.0);
   EXPECT_LT(mahalanobis(solution.camera, candidate.camera, candidate.information), 0.01);
 }
 
@@ -73,8 +74,8 @@ TEST(QueueEstimate, InflatesWhenSegmentsDisagree) {
   }
   const QueueSolution good = agreeing.solve(truth);
   const QueueSolution bad = torn.solve(truth);
-  EXPECT_LT(good.inflation, 1.7);
-  EXPECT_GT(bad.inflation, 3.0);
+  EXPECT_LT(good.scatter.inflation(), 1.7);
+  EXPECT_GT(bad.scatter.inflation(), 3.0);
   EXPECT_LT(bad.information(0, 0), 0.3 * good.information(0, 0));
 }
 
@@ -94,7 +95,7 @@ TEST(QueueEstimate, SegmentsOfRotationAgree) {
       solution = estimate.solve(withParameters(truth, start));
     }
     ASSERT_TRUE(solution.usable);
-    EXPECT_LT(solution.inflation, 2.0) << toString(truth.model());
+    EXPECT_LT(solution.scatter.inflation(), 2.0) << toString(truth.model());
     EXPECT_LT(mahalanobis(solution.camera, truth, solution.information), 35.0);
     for (const Candidate& candidate : estimate.candidates()) {
       Candidate copy = candidate;
@@ -116,7 +117,7 @@ TEST(QueueEstimate, IsTheSameForAnyNumberOfThreads) {
   for (int i = 1; i < 3; ++i) {
     EXPECT_EQ(solutions[0].camera.parameters(), solutions[i].camera.parameters());
     EXPECT_EQ(solutions[0].information, solutions[i].information);
-    EXPECT_EQ(solutions[0].inflation, solutions[i].inflation);
+    EXPECT_EQ(solutions[0].scatter.inflation(), solutions[i].scatter.inflation());
   }
 }
 

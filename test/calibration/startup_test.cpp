@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <memory>
 
+#include "calibration/change_samples.h"
 #include "camera_self_calibration/calibration/growth.h"
+#include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "estimation/sample_segments.h"
@@ -194,6 +197,39 @@ TEST(Startup, AddsK3WhenObservationsDemandIt) {
         << seed;
   }
   EXPECT_GE(right, kTrials - 1);
+}
+
+// As after an alarm: from the keyframes before the change, whose lens was known to 0.4 %, comes an
+// estimate of the new one that is no better.
+TEST(Startup, AnEarlierLensLendsWhatWasKnownOfIt) {
+  const Camera before = ordinaryCameras()[1], after = zoomed(before, 1.1);
+  const int count = before.estimatedCount();
+  IntrinsicsMatrix doubt = IntrinsicsMatrix::Identity(count, count) * 1e-8;
+  doubt.topLeftCorner<2, 2>().setConstant(std::pow(0.004 * before.parameters()(0), 2));
+  doubt.topLeftCorner<2, 2>() += Eigen::Matrix2d::Identity() * 1e-2;
+  int trusting_right = 0;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    const SimulatedSegment made = longSegment(before, MotionKind::kHandheld, seed, 24);
+    Segment history = withChange(made.segment, before, after, 6);
+    history.earlier_camera = std::make_shared<const Camera>(zoomed(before, 1.004));
+    history.earlier_keyframes = 6;
+    std::vector<int> index;
+    Segment solved = prefixOf(history, 9, 1, &index);
+    Camera camera = before;
+    const SegmentFit fit = fitSegment(SegmentFitOptions(), &solved, &camera);
+    ASSERT_TRUE(fit.usable);
+    Startup startup(StartupOptions(), before), trusting = startup;
+    startup.resume(camera, fit.marginal.information, solved, doubt);
+    trusting.resume(camera, fit.marginal.information, solved, IntrinsicsMatrix());
+    trusting.add(prefixOf(history, 10, 1, &index));
+    trusting_right += isRight(trusting, after);
+    for (int k = 10; k <= 24; ++k) {
+      startup.add(prefixOf(history, k, 1, &index));
+      EXPECT_TRUE(isRight(startup, after)) << seed << " after keyframe " << k;
+    }
+    EXPECT_EQ(startup.segment().earlier_keyframes, 6) << seed;
+  }
+  EXPECT_LT(trusting_right, 3);
 }
 
 TEST(Startup, ResetForgets) {

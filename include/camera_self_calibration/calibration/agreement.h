@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "camera_self_calibration/calibration/queue_estimate.h"
+#include "camera_self_calibration/calibration/scatter.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/map/segment.h"
 
@@ -41,15 +42,15 @@ Segment restarted(const Segment& segment, const Segment& start);
 struct Reference {
   Camera camera;
   IntrinsicsMatrix information;  ///< n_c x n_c.
-  /// By which the sigmas of what is compared are multiplied: how far segments are known to disagree
-  /// beyond their own uncertainty.
-  double inflation = 1.0;
-  int inflation_freedom = 0;  ///< Degrees of freedom from which inflation was estimated.
+  /// How far segments are known to disagree: the sigmas of what is compared are multiplied by its
+  /// inflation().
+  Scatter scatter;
 };
 
 /// The queue's estimate without the segments that share a moment with [begin, end], by subtracting
-/// what they said at the joint optimum. `solution` is that of the queue as it is. Nothing if the
-/// rest does not determine the intrinsics.
+/// what they said at the joint optimum; its scatter is that of the segments that are left, or of
+/// all where a single one is. `solution` is that of the queue as it is. Nothing if the rest does
+/// not determine the intrinsics.
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
                                           const QueueEstimate& queue,
                                           const QueueSolution& solution);
@@ -67,8 +68,9 @@ Agreement agreement(const std::vector<Evidence>& evidence, const Reference& refe
 /// The intrinsics that evidence and reference, taken as independent, agree on best; n_c values.
 Intrinsics compromise(const std::vector<Evidence>& evidence, const Reference& reference);
 
-/// p-value of a statistic with n_c degrees of freedom: chi-square; F where the reference's
-/// inflation was estimated.
+/// p-value of a statistic with n_c degrees of freedom: chi-square; where the reference's inflation
+/// is more than chance, F with the variance moderated towards the sigmas as they are (as if five
+/// more degrees of freedom had scattered by just those).
 double pValue(double statistic, const Reference& reference);
 
 /// Probability that a variable of the F distribution exceeds `value`.

@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/calibration/candidate_window.h"
 #include "camera_self_calibration/calibration/row_time.h"
+#include "camera_self_calibration/calibration/scatter.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/problem.h"
@@ -24,18 +25,18 @@ struct LensDrift {
 struct QueueSolution {
   bool usable = false;  ///< Valid intrinsics with a covariance.
   Camera camera;
-  /// Sum of the segments' marginals at the joint optimum, divided by the square of `inflation`.
+  /// Sum of the segments' marginals at the joint optimum, divided by the square of
+  /// scatter.inflation().
   IntrinsicsMatrix information;
   std::vector<BlockShare> shares;  ///< The segments' marginals, in the queue's order.
   /// The inverse of what is left of the information without what noise in the inverse depths feigns
   /// (DepthNoise::kDiscounted), made larger where residuals are correlated along tracks
   /// (Marginal::robustCovariance); empty where that is singular.
   IntrinsicsMatrix covariance;
-  /// How far the segments disagree beyond their own uncertainties: sqrt of chi-square per degree of
-  /// freedom, at least 1. Each segment's share of the chi-square is twice what its cost rises from
-  /// its own optimum to the joint one, at most what its own information says it should. It tells of
-  /// errors that last longer than a segment's residuals can show.
-  double inflation = 1.0;
+  /// How far the segments disagree. Each one's share of the chi-square is twice what its cost rises
+  /// from its own optimum to the joint one, at most what its own information says it should. It
+  /// tells of errors that last longer than a segment's residuals can show.
+  Scatter scatter;
   int iterations = 0;
   LensDrift drift;  ///< What all of the above, where the lens is constant, leaves out.
 
@@ -63,7 +64,7 @@ class QueueEstimate {
   void clear() {
     candidates_.clear();
     own_.clear();
-    inflation_ = 1.0;
+    scatter_ = Scatter();
   }
   const std::vector<Candidate>& candidates() const { return candidates_; }
 
@@ -78,7 +79,7 @@ class QueueEstimate {
   bool settle(Problem* problem);
 
   int threads_;
-  double inflation_ = 1.0;
+  Scatter scatter_;  // the newest that was seen
   std::vector<Candidate> candidates_;
   std::vector<Segment> own_;  // of each candidate, the solution that it came with
 };

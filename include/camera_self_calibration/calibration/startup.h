@@ -50,8 +50,11 @@ class Startup {
   void switchModel(const Camera& camera);
 
   /// Starts again from a solution, such as that after a change of the lens: the next keyframes are
-  /// added to it.
-  void resume(const Camera& camera, const IntrinsicsMatrix& information, const Segment& solved);
+  /// added to it. What its keyframes from before the change tell of the new lens is only as good as
+  /// their own was known, `earlier_covariance` (empty: exactly): that is added to the uncertainty
+  /// for as long as the batch holds such keyframes.
+  void resume(const Camera& camera, const IntrinsicsMatrix& information, const Segment& solved,
+              const IntrinsicsMatrix& earlier_covariance);
 
   /// The rolling shutter's time between rows, which all pixels are freed of from now on, those of
   /// the batch too; the batch is solved again [s].
@@ -71,7 +74,8 @@ class Startup {
   bool usable() const { return usable_; }
   /// Whether it is usable and its uncertainty not useless: before, the motion told nothing.
   bool tellsLens() const;
-  /// Scaled by the residuals where they exceed the tracker's sigma; n_c x n_c.
+  /// Scaled by the residuals where they exceed the tracker's sigma, and less what is not known of
+  /// an earlier lens; n_c x n_c.
   const IntrinsicsMatrix& information() const { return information_; }
   /// Inverse of information(); empty where that is singular.
   const IntrinsicsMatrix& covariance() const { return covariance_; }
@@ -100,7 +104,8 @@ class Startup {
   std::optional<FirstGuess> next_;
   Camera trusted_;  // of the last keyframe that told the lens; else as initial_
   Segment segment_;
-  Segment gated_;  // as solved last, without outliers
+  Segment gated_;                        // as solved last, without outliers
+  IntrinsicsMatrix earlier_covariance_;  // of the lens of the segment's earlier keyframes
   IntrinsicsMatrix information_;
   IntrinsicsMatrix covariance_;
   PixelError whole_image_uncertainty_;
