@@ -187,6 +187,7 @@ void BackEnd::clearQueue() {
   queue_.clear();
   estimate_.clear();
   solution_ = QueueSolution();
+  startup_course_.clear();
   follows_queue_ = false;
 }
 

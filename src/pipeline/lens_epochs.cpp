@@ -71,8 +71,8 @@ bool BackEnd::foregone(const KeyframeMessage& message) {
   std::optional<double> p_value = 1.0;
   if (handed_over_) {
     p_value = detector_.clearlySame(outlook, message.suspected_onset_ns, estimate_, solution_);
-  } else if (report_.epoch > 0 || !fitsAsUsual(outlook.sigma_scale, estimate_)) {
-    return false;  // after a change each window is held against what the batch said before it
+  } else if (!startup_course_.empty() || !fitsAsUsual(outlook.sigma_scale, estimate_)) {
+    return false;  // each window is held against what the batch said before it
   }
   if (!p_value) return false;
   report_.change_p_value = *p_value;
@@ -99,7 +99,6 @@ void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* even
   handed_over_ = report_.handed_over = false;
   report_.state = CalibrationState::kInitializing;
   clearQueue();
-  startup_course_.clear();
   detector_.reset();
   startup_.resume(verdict.camera, verdict.information, verdict.segment, covariance_before);
   adoptStartup(startupUncertainty());
@@ -125,14 +124,14 @@ void BackEnd::putAway(std::int64_t onset_ns) {
 
 // The batch holds the newest keyframes too, so that what came before them has to be remembered.
 void BackEnd::rememberStartup() {
-  if (report_.epoch == 0 || !(startupUncertainty().rms < 2.0 * convergedRms())) return;
+  if (!(startupUncertainty().rms < 2.0 * convergedRms())) return;
   const double share = 1.0 / (kStartupSigmas * kStartupSigmas);
   startup_course_.emplace_back(
       report_.stamp_ns, Reference{startup_.camera(), share * startup_.information(), Scatter()});
   if (startup_course_.size() > kStartupCourse) startup_course_.pop_front();
 }
 
-// What was known of the lens by then; nothing before the first change.
+// What was known of the lens by then.
 std::optional<Reference> BackEnd::startupBefore(std::int64_t stamp_ns) const {
   std::optional<Reference> newest;
   for (const auto& [known_at_ns, reference] : startup_course_) {

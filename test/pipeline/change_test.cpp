@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "benchmark/changing_tracks.h"
@@ -85,6 +86,32 @@ TEST(Change, ASecondOneSoonAfterTheFirstIsNoticedToo) {
 
 // Its first stretches do not contradict the queue, which takes them in: then the focal length
 // seemed to drift, and no test of the newest stretches against that queue said otherwise.
+// Another focal length every eight seconds, which comes while the queue holds two or three
+// stretches or has not taken over at all, even while the first lens is being learnt.
+TEST(Change, OneAfterTheOtherIsNoticed) {
+  constexpr double kFactors[] = {1.0, 0.9, 1.12, 1.04, 0.88, 0.95};
+  constexpr int kChanges = kSanitized ? 2 : 5;
+  const Camera first = ordinaryCameras()[1];
+  const auto lensAt = [&](double t) {
+    const int change = std::min(static_cast<int>((t + 1e-6) / 8.0), kChanges);
+    return zoomed(first, kFactors[change]);
+  };
+  for (const std::uint64_t seed : {7, 8}) {
+    TrackRunOptions options = runWith(lensAt);
+    options.duration_s = 8.0 * (kChanges + 1);
+    options.seed = seed;
+    TrackRun run(first, optionsFor(first.model()), options);
+    for (int change = 0; change <= kChanges; ++change) {
+      run.run(80);
+      EXPECT_EQ(run.record.count(EventType::kCalibrationChange), change) << seed;
+      const CalibrationReport report = run.report();
+      const double error = pixelDistance(report.camera, lensAt(8.0 * change)).rms;
+      EXPECT_LT(error, 3.0 * report.uncertainty.rms) << seed << " after change " << change;
+      EXPECT_LT(error, 2.0) << seed << " after change " << change;
+    }
+  }
+}
+
 TEST(Change, ASmallStepIsNotTakenForADrift) {
   constexpr double kStepS = 30.0;
   ChangingTracks options;

@@ -63,8 +63,8 @@ class ChangeDetector {
                                     std::int64_t suspected_onset_ns, const QueueEstimate& queue,
                                     const QueueSolution& solution);
 
-  /// The same while the lens is still being learnt anew after a change, against what was known of
-  /// it before the window began.
+  /// The same while the lens is still being learnt, against what was known of it before the window
+  /// began.
   ChangeVerdict examineUnfinished(const Segment& window, const Candidate& candidate,
                                   const Reference& reference);
 
