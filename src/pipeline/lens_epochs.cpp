@@ -14,6 +14,10 @@ namespace {
 // times as large.
 constexpr double kStartupSigmas = 2.0;
 constexpr std::size_t kStartupCourse = 20;  // keyframes
+// Times the limit of CONVERGED that it has to be good to for a contradiction to be a change of the
+// lens. Of the first lens it may be too sure by much at first, as the scene is not known either.
+constexpr double kToldFirstLens = 0.5;
+constexpr double kToldLens = 2.0;
 // Times the limit of CONVERGED that the batch has to be good to, and an earlier setting near to it,
 // to be the same: what is vague looks like one that is near, and stretches of both do not mix.
 constexpr double kSameSetting = 0.4;
@@ -124,7 +128,8 @@ void BackEnd::putAway(std::int64_t onset_ns) {
 
 // The batch holds the newest keyframes too, so that what came before them has to be remembered.
 void BackEnd::rememberStartup() {
-  if (!(startupUncertainty().rms < 2.0 * convergedRms())) return;
+  const double limit = (report_.epoch == 0 ? kToldFirstLens : kToldLens) * convergedRms();
+  if (!(startupUncertainty().rms < limit)) return;
   const double share = 1.0 / (kStartupSigmas * kStartupSigmas);
   startup_course_.emplace_back(
       report_.stamp_ns, Reference{startup_.camera(), share * startup_.information(), Scatter()});
