@@ -90,6 +90,7 @@ void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* even
   putAway(verdict.onset_ns);
   const IntrinsicsMatrix covariance_before =
       handed_over_ && solution_.usable ? solution_.covariance : startup_.covariance();
+  if (handed_over_ && solution_.usable) usual_scatter_ = solution_.scatter;
   Event event{EventType::kCalibrationChange, report_.stamp_ns, verdict.onset_ns, verdict.reason};
   // What is reported may have followed the change already, as a drift.
   const Camera& before = handed_over_ && solution_.usable ? solution_.camera : report_.camera;
@@ -130,9 +131,10 @@ void BackEnd::putAway(std::int64_t onset_ns) {
 void BackEnd::rememberStartup() {
   const double limit = (report_.epoch == 0 ? kToldFirstLens : kToldLens) * convergedRms();
   if (!(startupUncertainty().rms < limit)) return;
-  const double share = 1.0 / (kStartupSigmas * kStartupSigmas);
+  const double sigmas = kStartupSigmas * usual_scatter_.inflation();
   startup_course_.emplace_back(
-      report_.stamp_ns, Reference{startup_.camera(), share * startup_.information(), Scatter()});
+      report_.stamp_ns,
+      Reference{startup_.camera(), startup_.information() / (sigmas * sigmas), usual_scatter_});
   if (startup_course_.size() > kStartupCourse) startup_course_.pop_front();
 }
 

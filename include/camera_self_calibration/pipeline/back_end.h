@@ -120,6 +120,10 @@ class BackEnd {
   ImageField field_;              // the part of the image that sees
   SettingArchive settings_;       // of earlier epochs
   std::deque<std::pair<std::int64_t, Reference>> startup_course_;  // by stamp, of this epoch
+  // How far stretches of this camera scatter, as its model does not describe it exactly: that of
+  // the queue before the newest change; of the first lens, which no queue has told yet, three
+  // sigmas.
+  Scatter usual_scatter_ = {40.0 * 3.0 * 3.0, 40};
   std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch
   bool handed_over_ = false;
   bool follows_queue_ = false;  // before hand-over: the queue's estimate is the better one
