@@ -123,6 +123,15 @@ TEST(Agreement, UndeterminedDirectionsDoNotCount) {
   EXPECT_NEAR(compromise({evidence}, reference)(0), lens.parameters()(0) + 0.5, 1e-9);
 }
 
+// Two stretches that scatter by more than chance tell their variance but roughly.
+TEST(Agreement, ScatterOfTwoStretchesHidesNoLargeChange) {
+  const Camera lens = ordinaryCameras()[0];
+  const Reference reference{lens, IntrinsicsMatrix::Identity(4, 4), Scatter{20.0, 4}};
+  EXPECT_GT(fExceedance(60.0, 4, 4), 1e-4);
+  EXPECT_LT(pValue(4.0 * 60.0, reference), 1e-6);
+  EXPECT_GT(pValue(4.0 * 2.0, reference), 0.03);
+}
+
 TEST(Agreement, FDistribution) {
   EXPECT_NEAR(fExceedance(4.387, 3, 8), 0.0419, 2e-4);
   EXPECT_NEAR(fExceedance(3.3258, 5, 10), 0.05, 1e-4);  // tables

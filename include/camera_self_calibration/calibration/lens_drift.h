@@ -16,8 +16,7 @@ Intrinsics alongFocalLength(const Intrinsics& point);
 /// intrinsics constant. The rate is that of the largest restricted likelihood, on a grid, where it
 /// is a clearly better explanation than segments that disagree by the same factor in everything,
 /// also without any one of them, and leaves them disagreeing by no more than is believed at
-/// hand-over. x follows from all stretches, each weighted by how long ago it
-/// was.
+/// hand-over (kMaxInflation). x follows from all stretches, each weighted by how long ago it was.
 ///
 /// `queue` and `others` (which shares no moment with it) are of the intrinsics of `camera`, the
 /// queue's estimate; `now_ns` is not before any of them.
