@@ -1,6 +1,7 @@
 #include "camera_self_calibration/calibration/agreement.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -85,6 +86,10 @@ double incompleteBeta(double a, double b, double x) {
 
 }  // namespace
 
+double squaredDistance(const Intrinsics& gradient, const IntrinsicsMatrix& information) {
+  return gradient.dot(information.completeOrthogonalDecomposition().solve(gradient));
+}
+
 Evidence ownEvidence(const Candidate& candidate) {
   const int count = candidate.camera.estimatedCount();
   return {candidate.segment.beginNs(), candidate.segment.endNs(),
@@ -141,8 +146,7 @@ std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t en
     const BlockShare& share = solution.shares[i];
     if (segment.endNs() < begin_ns || segment.beginNs() > end_ns) {
       ++kept;
-      chi_square += share.gradient.dot(
-          share.information.completeOrthogonalDecomposition().solve(share.gradient));
+      chi_square += squaredDistance(share.gradient, share.information);
       continue;
     }
     information -= share.information;

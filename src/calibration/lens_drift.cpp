@@ -1,7 +1,6 @@
 #include "camera_self_calibration/calibration/lens_drift.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -40,8 +39,7 @@ std::vector<Saying> sayingsOf(const std::vector<Evidence>& stretches, const Intr
   for (const Evidence& stretch : stretches) {
     if (stretch.point.size() != point.size()) continue;
     Saying saying{minutesAgo(stretch, now_ns), stretch.gradientAt(point), stretch.information};
-    saying.square = saying.gradient.dot(
-        saying.information.completeOrthogonalDecomposition().solve(saying.gradient));
+    saying.square = squaredDistance(saying.gradient, saying.information);
     sayings.push_back(std::move(saying));
   }
   std::sort(sayings.begin(), sayings.end(),

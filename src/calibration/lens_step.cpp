@@ -72,8 +72,7 @@ Courses::Courses(const std::vector<Evidence>& stretches, const Camera& camera,
     along_.emplace_back(stretch.information * direction_);
     information += stretch.information;
     gradient_ += gradients_.back();
-    left_ += gradients_.back().dot(
-        stretch.information.completeOrthogonalDecomposition().solve(gradients_.back()));
+    left_ += squaredDistance(gradients_.back(), stretch.information);
   }
   freedom_ =
       static_cast<double>((static_cast<std::ptrdiff_t>(stretches.size()) - 1) * point.size());

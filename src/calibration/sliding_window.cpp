@@ -42,13 +42,13 @@ std::vector<int> seenByFixedAlone(const Segment& segment, int fixed_keyframes) {
 
 int newest(const Segment& segment) { return static_cast<int>(segment.keyframes.size()) - 1; }
 
-std::vector<Landmark> seenIn(int k, const Segment& segment) {
-  std::vector<Landmark> seen;
+std::vector<const Landmark*> seenIn(int k, const Segment& segment) {
+  std::vector<const Landmark*> seen;
   for (const Landmark& landmark : segment.landmarks) {
-    if (landmark.anchored && landmark.reference == k) seen.push_back(landmark);
+    if (landmark.anchored && landmark.reference == k) seen.push_back(&landmark);
   }
   for (const Observation& observation : segment.observations) {
-    if (observation.keyframe == k) seen.push_back(segment.landmarks[observation.landmark]);
+    if (observation.keyframe == k) seen.push_back(&segment.landmarks[observation.landmark]);
   }
   return seen;
 }
@@ -56,9 +56,9 @@ std::vector<Landmark> seenIn(int k, const Segment& segment) {
 // In keyframe `k`, of the landmarks that are seen there.
 double inverseDepthAt(int k, const Segment& segment) {
   std::vector<double> depths;
-  for (const Landmark& landmark : seenIn(k, segment)) {
-    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
-                                          landmark.bearing, landmark.inverse_depth,
+  for (const Landmark* landmark : seenIn(k, segment)) {
+    depths.push_back(transferInverseDepth(segment.keyframes[landmark->reference].world_from_camera,
+                                          landmark->bearing, landmark->inverse_depth,
                                           segment.keyframes[k].world_from_camera));
   }
   return typicalInverseDepth(std::move(depths));
@@ -173,8 +173,8 @@ void SlidingWindow::reseed(const Segment& solution) {
 double SlidingWindow::medianDepthOf(const Segment& solution, int k,
                                     const Keyframe& keyframe) const {
   std::vector<double> depths;
-  for (const Landmark& landmark : seenIn(k, solution)) {
-    const auto found = map_.points().find(landmark.track_id);
+  for (const Landmark* landmark : seenIn(k, solution)) {
+    const auto found = map_.points().find(landmark->track_id);
     if (found == map_.points().end()) continue;
     const auto depth = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
     if (depth) depths.push_back(*depth);
@@ -315,8 +315,8 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
     const double baseline = (segment.keyframes[0].world_from_camera.translation -
                              segment.keyframes[conditioning - 1].world_from_camera.translation)
                                 .norm();
-    if (baseline * inverseDepthAt(newest(segment), segment) > kSeparatedPoses)
-      block.fixed_landmark = -1;
+    const double depth = inverseDepthAt(newest(segment), segment);
+    if (baseline * depth > kSeparatedPoses) block.fixed_landmark = -1;
     block.fixed_keyframes = conditioning;
   }
   block.depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};

@@ -88,12 +88,13 @@ bool BackEnd::foregone(const KeyframeMessage& message) {
 // epoch that ends keep their intrinsics.
 void BackEnd::changeEpoch(const ChangeVerdict& verdict, std::vector<Event>* events) {
   putAway(verdict.onset_ns);
+  const bool by_queue = handed_over_ && solution_.usable;
   const IntrinsicsMatrix covariance_before =
-      handed_over_ && solution_.usable ? solution_.covariance : startup_.covariance();
-  if (handed_over_ && solution_.usable) usual_scatter_ = solution_.scatter;
+      by_queue ? solution_.covariance : startup_.covariance();
+  if (by_queue) usual_scatter_ = solution_.scatter;
   Event event{EventType::kCalibrationChange, report_.stamp_ns, verdict.onset_ns, verdict.reason};
   // What is reported may have followed the change already, as a drift.
-  const Camera& before = handed_over_ && solution_.usable ? solution_.camera : report_.camera;
+  const Camera& before = by_queue ? solution_.camera : report_.camera;
   event.magnitude_px = pixelDistance(before, verdict.camera).rms;
   event.p_value = verdict.p_value;
   event.sentence += describe(event);

@@ -84,8 +84,6 @@ TEST(Change, ASecondOneSoonAfterTheFirstIsNoticedToo) {
   }
 }
 
-// Its first stretches do not contradict the queue, which takes them in: then the focal length
-// seemed to drift, and no test of the newest stretches against that queue said otherwise.
 // Another focal length every eight seconds, which comes while the queue holds two or three
 // stretches or has not taken over at all, even while the first lens is being learnt.
 TEST(Change, OneAfterTheOtherIsNoticed) {
@@ -112,6 +110,8 @@ TEST(Change, OneAfterTheOtherIsNoticed) {
   }
 }
 
+// Its first stretches do not contradict the queue, which takes them in: then the focal length
+// seemed to drift, and no test of the newest stretches against that queue said otherwise.
 TEST(Change, ASmallStepIsNotTakenForADrift) {
   constexpr double kStepS = 30.0;
   ChangingTracks options;

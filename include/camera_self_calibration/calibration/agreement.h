@@ -26,6 +26,10 @@ struct Evidence {
   }
 };
 
+/// `g^T I^+ g`: how far the estimate of which these are gradient and information is from where they
+/// were taken, in its own sigmas, squared. Directions that it does not determine do not count.
+double squaredDistance(const Intrinsics& gradient, const IntrinsicsMatrix& information);
+
 /// What a solved candidate says, at its own optimum, where the gradient vanishes.
 Evidence ownEvidence(const Candidate& candidate);
 
