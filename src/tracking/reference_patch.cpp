@@ -4,12 +4,12 @@
 #include <Eigen/LU>
 #include <cmath>
 
+#include "camera_self_calibration/geometry/cpu_clones.h"
 #include "camera_self_calibration/geometry/panel.h"
+#include "camera_self_calibration/tracking/float_block.h"
 
 namespace camera_self_calibration {
 namespace {
-
-constexpr int kBlock = 4;  // Points side by side.
 
 // Standard deviations of the priors. That of the shift only damps a step.
 constexpr double kShiftPrior = 1.0;    // [px]
@@ -62,6 +62,21 @@ Derivatives derivatives(const SmoothWindow& window, int u, int v) {
   d.xy = 0.25f * (below[1] - below[-1] - above[1] + above[-1]);
   d.yy = top - 2.0f * centre_row + bottom;
   return d;
+}
+
+// Blocks of points side by side, so that the sums stay in registers.
+SELFCAL_CPU_CLONES void projectBlocks(const float* jacobian, const float* values, float* out) {
+  constexpr int parameters = ReferencePatch::kParameters;
+  FloatBlock sums[parameters] = {};
+  for (int i = 0; i < PatchPoints::kCount; i += kFloatBlock) {
+    for (int k = 0; k < parameters; ++k, jacobian += kFloatBlock) {
+      sums[k] += block(jacobian) * block(values + i);
+    }
+  }
+  for (int k = 0; k < parameters; ++k) {
+    out[k] = 0.0f;
+    for (int j = 0; j < kFloatBlock; ++j) out[k] += sums[k][j];
+  }
 }
 
 ReferencePatch::Matrix productOf(Panel* panel) {
@@ -146,7 +161,7 @@ void ReferencePatch::fillJacobian(const SmoothWindow& window) {
     Eigen::Map<Vector>(rooted.column(i)) = std::sqrt(w) * jacobian;
     Eigen::Map<Vector>(weighted.column(i)) = w * jacobian;
     for (int k = 0; k < kParameters; ++k) {
-      weighted_jacobian_[(i / kBlock * kParameters + k) * kBlock + i % kBlock] =
+      weighted_jacobian_[(i / kFloatBlock * kParameters + k) * kFloatBlock + i % kFloatBlock] =
           static_cast<float>(w * jacobian(k));
     }
   }
@@ -205,15 +220,9 @@ Eigen::Vector2d ReferencePatch::bendingAtAnchor(const Vector& solution) const {
 }
 
 ReferencePatch::Vector ReferencePatch::project(const float* values) const {
-  using Map = Eigen::Map<const Eigen::Array4f>;
-  Eigen::Array<float, kBlock, kParameters> sums;
-  sums.setZero();
-  const float* jacobian = weighted_jacobian_.data();
-  for (int i = 0; i < PatchPoints::kCount; i += kBlock, jacobian += kBlock * kParameters) {
-    const Eigen::Array4f block = Map(values + i);
-    for (int k = 0; k < kParameters; ++k) sums.col(k) += Map(jacobian + k * kBlock) * block;
-  }
-  return sums.matrix().colwise().sum().transpose().cast<double>();
+  Eigen::Matrix<float, kParameters, 1> sums;
+  projectBlocks(weighted_jacobian_.data(), values, sums.data());
+  return sums.cast<double>();
 }
 
 }  // namespace camera_self_calibration

@@ -15,7 +15,8 @@ namespace camera_self_calibration {
 struct PatchPoints {
   static constexpr int kRadius = 7;           ///< Largest offset along an axis [px].
   static constexpr double kDiscRadius = 7.5;  ///< Where the weights reach zero [px].
-  static constexpr int kCount = 180;  ///< Points, a multiple of 4; the last ones have no weight.
+  /// Points, whole blocks of floats; the last ones have no weight.
+  static constexpr int kCount = 184;
 
   alignas(16) std::array<float, kCount> u;
   alignas(16) std::array<float, kCount> v;
@@ -89,7 +90,8 @@ class ReferencePatch {
   bool invertHessian();
 
   std::array<std::uint8_t, (2 * kRawRadius + 1) * (2 * kRawRadius + 1)> raw_;
-  // Weighted derivatives, four points of one parameter side by side: [block][parameter][4].
+  // Weighted derivatives, a block of points of one parameter side by side:
+  // [block][parameter][point].
   alignas(16) std::array<float, kParameters * PatchPoints::kCount> weighted_jacobian_;
   double blur_ = -1.0;
   double noise_ = 1.0;

@@ -4,6 +4,8 @@
 #include <array>
 #include <opencv2/core.hpp>
 
+#include "camera_self_calibration/tracking/float_block.h"
+
 namespace camera_self_calibration {
 
 /// A small rectangle of an image as a continuous function: gray values, blurred as asked, times the
@@ -12,7 +14,7 @@ namespace camera_self_calibration {
 /// nothing pulls a registration towards or away from whole pixels.
 class SmoothWindow {
  public:
-  static constexpr int kMaxSide = 72;      ///< [px]
+  static constexpr int kMaxSide = 72;      ///< [px], whole blocks of floats.
   static constexpr int kKernelRadius = 3;  ///< Of the blur [px].
   static constexpr double kMaxBlur = 1.8;  ///< Largest variance of the blur per axis [px^2].
   static constexpr double kSplineBlur = 1.0 / 3.0;  ///< Variance of the spline itself [px^2].
@@ -34,7 +36,7 @@ class SmoothWindow {
   int height() const { return height_; }
   const float* row(int y) const { return pixels_.data() + y * kMaxSide; }
 
-  /// Values at `count` points, a multiple of 4, in image coordinates; all must be covered.
+  /// Values at `count` points, whole blocks of floats, in image coordinates; all must be covered.
   void sample(const float* x, const float* y, int count, float* values) const;
 
  private:
@@ -45,7 +47,7 @@ class SmoothWindow {
   Eigen::Vector2f origin_ = Eigen::Vector2f::Zero();
   alignas(16) std::array<float, kMaxSide * kMaxSide + 4> pixels_;
   alignas(16) std::array<float, kPaddedSide * kMaxSide> blurred_x_;
-  alignas(16) std::array<float, kPaddedSide> raw_row_;
+  alignas(16) std::array<float, wholeBlocks(kPaddedSide)> raw_row_;
 };
 
 }  // namespace camera_self_calibration
