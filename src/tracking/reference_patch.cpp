@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "camera_self_calibration/geometry/cpu_clones.h"
-#include "camera_self_calibration/geometry/panel.h"
 #include "camera_self_calibration/tracking/float_block.h"
 
 namespace camera_self_calibration {
@@ -64,13 +63,18 @@ Derivatives derivatives(const SmoothWindow& window, int u, int v) {
   return d;
 }
 
-// Blocks of points side by side, so that the sums stay in registers.
-SELFCAL_CPU_CLONES void projectBlocks(const float* jacobian, const float* values, float* out) {
+// A parameter's derivatives at a block of points begin here: [block][parameter][point].
+constexpr int kBlockPitch = ReferencePatch::kParameters * kFloatBlock;
+
+// out[k] = sum over the points of parameter k's derivative times the value; from one block of the
+// values to the next it is `pitch`.
+SELFCAL_CPU_CLONES void projectBlocks(const float* jacobian, const float* values, int pitch,
+                                      float* out) {
   constexpr int parameters = ReferencePatch::kParameters;
   FloatBlock sums[parameters] = {};
-  for (int i = 0; i < PatchPoints::kCount; i += kFloatBlock) {
+  for (int i = 0; i < PatchPoints::kCount; i += kFloatBlock, values += pitch) {
     for (int k = 0; k < parameters; ++k, jacobian += kFloatBlock) {
-      sums[k] += block(jacobian) * block(values + i);
+      sums[k] += block(jacobian) * block(values);
     }
   }
   for (int k = 0; k < parameters; ++k) {
@@ -79,13 +83,13 @@ SELFCAL_CPU_CLONES void projectBlocks(const float* jacobian, const float* values
   }
 }
 
-ReferencePatch::Matrix productOf(Panel* panel) {
-  panel->multiply();
-  ReferencePatch::Matrix product;
-  for (int c = 0; c < ReferencePatch::kParameters; ++c) {
-    product.col(c) = Eigen::Map<const ReferencePatch::Vector>(panel->product(c));
+// `A^T B` of two such arrays, which is symmetric.
+ReferencePatch::Matrix productOf(const float* a, const float* b) {
+  Eigen::Matrix<float, ReferencePatch::kParameters, ReferencePatch::kParameters> product;
+  for (int k = 0; k < ReferencePatch::kParameters; ++k) {
+    projectBlocks(a, b + k * kFloatBlock, kBlockPitch, product.col(k).data());
   }
-  return product.selfadjointView<Eigen::Lower>();
+  return product.cast<double>().selfadjointView<Eigen::Lower>();
 }
 
 }  // namespace
@@ -144,29 +148,25 @@ void ReferencePatch::fillJacobian(const SmoothWindow& window) {
   }
   mean_ = static_cast<float>(sum / points.weight_sum);
 
-  // Per point the parameters' derivatives, times the weight's root for the Hessian, and the weight.
-  thread_local Panel rooted, weighted;
-  rooted.reset(kParameters, PatchPoints::kCount);
-  weighted.reset(kParameters, PatchPoints::kCount);
-  for (int i = 0; i < PatchPoints::kCount; ++i) {
-    const auto point = static_cast<std::size_t>(i);
-    const double u = points.u[point], v = points.v[point], w = points.weight[point];
-    const Derivatives& d = at[point];
-    Vector jacobian;
+  std::array<float, kParameters * PatchPoints::kCount> plain;
+  for (std::size_t i = 0; i < PatchPoints::kCount; ++i) {
+    const float u = points.u[i], v = points.v[i];
+    const Derivatives& d = at[i];
+    Eigen::Matrix<float, kParameters, 1> jacobian;
     jacobian << d.x, d.y, d.x * u, d.y * u, d.x * v, d.y * v,  // affine warp
-        d.value - mean_, 1.0,                                  // gain, offset
+        d.value - mean_, 1.0f,                                 // gain, offset
         d.xx, d.xy, d.yy,                                      // blur
         d.x * u * u, d.x * u * v, d.x * v * v,                 // bending
         d.y * u * u, d.y * u * v, d.y * v * v;
-    Eigen::Map<Vector>(rooted.column(i)) = std::sqrt(w) * jacobian;
-    Eigen::Map<Vector>(weighted.column(i)) = w * jacobian;
+    const std::size_t first = i / kFloatBlock * kBlockPitch + i % kFloatBlock;
     for (int k = 0; k < kParameters; ++k) {
-      weighted_jacobian_[(i / kFloatBlock * kParameters + k) * kFloatBlock + i % kFloatBlock] =
-          static_cast<float>(w * jacobian(k));
+      const std::size_t at_k = first + static_cast<std::size_t>(k * kFloatBlock);
+      plain[at_k] = jacobian(k);
+      weighted_jacobian_[at_k] = points.weight[i] * jacobian(k);
     }
   }
-  hessian_ = productOf(&rooted);
-  squared_ = productOf(&weighted);
+  hessian_ = productOf(weighted_jacobian_.data(), plain.data());
+  squared_ = productOf(weighted_jacobian_.data(), weighted_jacobian_.data());
   contrast_ = hessian_(kGain, kGain) / points.weight_sum;
 }
 
@@ -221,7 +221,7 @@ Eigen::Vector2d ReferencePatch::bendingAtAnchor(const Vector& solution) const {
 
 ReferencePatch::Vector ReferencePatch::project(const float* values) const {
   Eigen::Matrix<float, kParameters, 1> sums;
-  projectBlocks(weighted_jacobian_.data(), values, sums.data());
+  projectBlocks(weighted_jacobian_.data(), values, kFloatBlock, sums.data());
   return sums.cast<double>();
 }
 

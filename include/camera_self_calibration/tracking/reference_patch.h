@@ -90,8 +90,7 @@ class ReferencePatch {
   bool invertHessian();
 
   std::array<std::uint8_t, (2 * kRawRadius + 1) * (2 * kRawRadius + 1)> raw_;
-  // Weighted derivatives, a block of points of one parameter side by side:
-  // [block][parameter][point].
+  // Weighted derivatives, W J, a block of points side by side: [block][parameter][point].
   alignas(16) std::array<float, kParameters * PatchPoints::kCount> weighted_jacobian_;
   double blur_ = -1.0;
   double noise_ = 1.0;
