@@ -220,20 +220,22 @@ TEST_F(Manners, LiveParametersChangeWhileItRuns) {
   ASSERT_TRUE(unloadNodelet("/left"));
 }
 
-/// Counts the matrices of a shape that OpenCV makes in this process while it exists.
-class MatrixCounter : public cv::MatAllocator {
+/// Counts the images of a size that OpenCV makes in this process while it exists.
+class ImageCounter : public cv::MatAllocator {
  public:
-  MatrixCounter(int width, int height, int type) : shape_{height, width}, type_(type) {
-    cv::Mat::setDefaultAllocator(this);
-  }
-  ~MatrixCounter() override { cv::Mat::setDefaultAllocator(standard_); }
-  int count() const { return count_; }
+  ImageCounter(int width, int height) : size_{height, width} { cv::Mat::setDefaultAllocator(this); }
+  ~ImageCounter() override { cv::Mat::setDefaultAllocator(standard_); }
+  int gray() const { return gray_; }
+  int colour() const { return colour_; }
 
  private:
   // What this makes belongs to the standard allocator, and outlives the counter.
   cv::UMatData* allocate(int dims, const int* sizes, int type, void* data, std::size_t* step,
                          cv::AccessFlag access, cv::UMatUsageFlags usage) const override {
-    if (dims == 2 && std::equal(shape_.begin(), shape_.end(), sizes) && type == type_) ++count_;
+    if (dims == 2 && std::equal(size_.begin(), size_.end(), sizes)) {
+      gray_ += type == CV_8UC1;
+      colour_ += type == CV_8UC3;
+    }
     return standard_->allocate(dims, sizes, type, data, step, access, usage);
   }
   bool allocate(cv::UMatData* data, cv::AccessFlag access,
@@ -242,10 +244,10 @@ class MatrixCounter : public cv::MatAllocator {
   }
   void deallocate(cv::UMatData* data) const override { standard_->deallocate(data); }
 
-  const std::array<int, 2> shape_;
-  const int type_;
+  const std::array<int, 2> size_;
   cv::MatAllocator* const standard_ = cv::Mat::getStdAllocator();
-  mutable std::atomic<int> count_{0};
+  mutable std::atomic<int> gray_{0};
+  mutable std::atomic<int> colour_{0};
 };
 
 /// The nodelet /inside in this process, where messages are handed over by pointer, as between
@@ -316,6 +318,7 @@ sensor_msgs::CompressedImage compressed(const sensor_msgs::Image& image) {
 
 // Decoding in colour for ~image_raw is the dearest work that only listeners need.
 TEST_F(Manners, ImagesAreDecodedInColourForListenersAlone) {
+  const ImageCounter made(320, 240);
   const Inside nodelet("/packed_camera/image_raw");
   ros::Publisher publisher = ros::NodeHandle().advertise<sensor_msgs::CompressedImage>(
       "/packed_camera/image_raw/compressed", 5);
@@ -324,22 +327,24 @@ TEST_F(Manners, ImagesAreDecodedInColourForListenersAlone) {
       spinUntil([&] { return publisher.getNumSubscribers() > 0 && status.connected(); }, 20.0));
   Clip clip(320);
   constexpr int kImages = 10;
-  const auto decodedOf = [&](int type) {
-    std::vector<sensor_msgs::CompressedImage> images;
-    for (int i = 0; i < kImages; ++i) images.push_back(compressed(*clip.next()));
-    const MatrixCounter decoded(320, 240, type);
-    for (const sensor_msgs::CompressedImage& image : images) {
+  std::vector<sensor_msgs::CompressedImage> images;
+  for (int i = 0; i < 2 * kImages; ++i) images.push_back(compressed(*clip.next()));
+  const auto publish = [&](int begin, int end) {
+    for (int i = begin; i < end; ++i) {
       const std::size_t before = status.messages.size();
-      publisher.publish(image);
+      publisher.publish(images[static_cast<std::size_t>(i)]);
       EXPECT_TRUE(spinUntil([&] { return status.messages.size() > before; }, 10.0));
     }
-    return decoded.count();
   };
-  EXPECT_GE(decodedOf(CV_8UC1), kImages) << "what is decoded would not be seen";
-  EXPECT_EQ(decodedOf(CV_8UC3), 0);
+  const int gray = made.gray();
+  const int colour = made.colour();
+  publish(0, kImages);
+  EXPECT_GE(made.gray(), gray + kImages) << "what is decoded would not be seen";
+  EXPECT_EQ(made.colour(), colour);
   Recorder<sensor_msgs::Image> listener("/inside/image_raw");
   ASSERT_TRUE(spinUntil([&] { return listener.connected(); }, 20.0));
-  EXPECT_GE(decodedOf(CV_8UC3), kImages);
+  publish(kImages, 2 * kImages);
+  EXPECT_GE(made.colour(), colour + kImages);
   EXPECT_TRUE(spinUntil([&] { return listener.messages.size() == kImages; }, 10.0));
 }
 
