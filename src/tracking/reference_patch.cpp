@@ -74,7 +74,7 @@ SELFCAL_CPU_CLONES void projectBlocks(const float* jacobian, const float* values
   FloatBlock sums[parameters] = {};
   for (int i = 0; i < PatchPoints::kCount; i += kFloatBlock, values += pitch) {
     for (int k = 0; k < parameters; ++k, jacobian += kFloatBlock) {
-      sums[k] += block(jacobian) * block(values);
+      sums[k] += floatBlock(jacobian) * floatBlock(values);
     }
   }
   for (int k = 0; k < parameters; ++k) {

@@ -48,9 +48,10 @@ SELFCAL_CPU_CLONES void blurLine(const float* in, int step, const float* kernel,
                                  float* out) {
   for (int i = 0; i < count; i += kFloatBlock) {
     const float* c = in + i;
-    block(out + i) = kernel[0] * block(c) + kernel[1] * (block(c + step) + block(c - step)) +
-                     kernel[2] * (block(c + 2 * step) + block(c - 2 * step)) +
-                     kernel[3] * (block(c + 3 * step) + block(c - 3 * step));
+    floatBlock(out + i) = kernel[0] * floatBlock(c) +
+                          kernel[1] * (floatBlock(c + step) + floatBlock(c - step)) +
+                          kernel[2] * (floatBlock(c + 2 * step) + floatBlock(c - 2 * step)) +
+                          kernel[3] * (floatBlock(c + 3 * step) + floatBlock(c - 3 * step));
   }
 }
 
@@ -66,10 +67,10 @@ struct Supports {
 // The cubic B-spline's weights of the four samples around points that are `t` beyond the second.
 inline void splineWeights(const FloatBlock& t, float (*weights)[Supports::kMax], int at) {
   const FloatBlock s = 1.0f - t;
-  block(weights[0] + at) = s * s * s * (1.0f / 6.0f);
-  block(weights[1] + at) = (0.5f * t - 1.0f) * t * t + 2.0f / 3.0f;
-  block(weights[2] + at) = (0.5f * s - 1.0f) * s * s + 2.0f / 3.0f;
-  block(weights[3] + at) = t * t * t * (1.0f / 6.0f);
+  floatBlock(weights[0] + at) = s * s * s * (1.0f / 6.0f);
+  floatBlock(weights[1] + at) = (0.5f * t - 1.0f) * t * t + 2.0f / 3.0f;
+  floatBlock(weights[2] + at) = (0.5f * s - 1.0f) * s * s + 2.0f / 3.0f;
+  floatBlock(weights[3] + at) = t * t * t * (1.0f / 6.0f);
 }
 
 // At most Supports::kMax points.
@@ -78,8 +79,8 @@ SELFCAL_CPU_CLONES void sampleSpline(const float* pixels, const float* origin, c
   constexpr int pitch = SmoothWindow::kMaxSide;
   Supports supports;
   for (int i = 0; i < count; i += kFloatBlock) {
-    const FloatBlock in_x = block(x + i) - origin[0];
-    const FloatBlock in_y = block(y + i) - origin[1];
+    const FloatBlock in_x = floatBlock(x + i) - origin[0];
+    const FloatBlock in_y = floatBlock(y + i) - origin[1];
     // Positive, since the point is covered: the conversion to int rounds down.
     const IntBlock column = __builtin_convertvector(in_x, IntBlock);
     const IntBlock row = __builtin_convertvector(in_y, IntBlock);

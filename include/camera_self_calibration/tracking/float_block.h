@@ -9,10 +9,10 @@ using FloatBlock = float
     __attribute__((vector_size(kFloatBlock * sizeof(float)), aligned(sizeof(float)), may_alias));
 
 /// The block that begins at `first`.
-inline const FloatBlock& block(const float* first) {
+inline const FloatBlock& floatBlock(const float* first) {
   return *reinterpret_cast<const FloatBlock*>(first);
 }
-inline FloatBlock& block(float* first) { return *reinterpret_cast<FloatBlock*>(first); }
+inline FloatBlock& floatBlock(float* first) { return *reinterpret_cast<FloatBlock*>(first); }
 
 /// The count that fills the last block.
 constexpr int wholeBlocks(int count) {
