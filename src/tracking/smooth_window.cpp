@@ -27,17 +27,11 @@ std::array<float, 4> blurKernel(double variance) {
           static_cast<float>(3.0 * a * b * b), static_cast<float>(b * b * b)};
 }
 
-SELFCAL_CPU_CLONES void toFloats(const std::uint8_t* in, int count, float* out) {
-  for (int i = 0; i < count; i += kFloatBlock) {
-    for (int k = 0; k < kFloatBlock; ++k) out[i + k] = in[i + k];
-  }
-}
-
-// Whole blocks of a row of the image from column x0 on as floats, the edge repeated.
+// A row of the image as floats from column x0 on, the edge repeated.
 void readRow(const cv::Mat& image, int y, int x0, int count, float* out) {
   const std::uint8_t* row = image.ptr<std::uint8_t>(std::clamp(y, 0, image.rows - 1));
   if (x0 >= 0 && x0 + count <= image.cols) {
-    toFloats(row + x0, count, out);
+    std::copy(row + x0, row + x0 + count, out);
   } else {
     for (int i = 0; i < count; ++i) out[i] = row[std::clamp(x0 + i, 0, image.cols - 1)];
   }
