@@ -62,6 +62,7 @@ void LocalMotion::add(const cv::Point2f& from, const cv::Point2f& to) {
 }
 
 void LocalMotion::weighOutliers() {
+  scatter_ = std::numeric_limits<double>::infinity();
   if (count_ < kMinPairs) return;
   misses_.clear();
   for (std::size_t i = 0; i < count_; ++i) {
@@ -71,9 +72,9 @@ void LocalMotion::weighOutliers() {
   sorted_ = misses_;
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());
-  const double scale = 2.0 * *middle + kMinMiss;
+  scatter_ = 2.0 * *middle + kMinMiss;
   for (std::size_t i = 0; i < count_; ++i) {
-    const double square = misses_[i] * misses_[i] / (scale * scale);
+    const double square = misses_[i] * misses_[i] / (scatter_ * scatter_);
     weights_[i] = static_cast<float>(1.0 / (1.0 + square * square));
   }
 }

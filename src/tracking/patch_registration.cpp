@@ -10,10 +10,13 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr int kMaxIterations = 15;
-// The last step [px], of the anchor and of the rim: what the patch does not determine of the linear
-// part may creep on.
+// The last step, of the anchor: this share of the sigma that noise gives it, but no less than [px]
+// what interpolation is good for.
+constexpr double kConvergedShare = 0.1;
 constexpr double kConvergedShift = 0.004;
-constexpr double kConvergedRim = 0.1;
+// What the patch does not determine of the linear part may creep on: the rim's step against the
+// anchor's.
+constexpr double kRimOverAnchor = 25.0;
 constexpr double kMaxShift = 4.0;  // [px] From the start: further away is another corner.
 constexpr float kSlack = 2.0f;     // [px] By which the patch may move without a new window.
 
@@ -86,10 +89,10 @@ ReferencePatch::Vector priorPull(const ReferencePatch& reference, const Warp& st
   return pull;
 }
 
-bool converged(const Warp& from, const Warp& to, const Eigen::Vector2d& anchor) {
+bool converged(const Warp& from, const Warp& to, const Eigen::Vector2d& anchor, double tolerance) {
   const double shift = (to.pixel - from.pixel + (to.linear - from.linear) * anchor).norm();
   const double rim = PatchPoints::kDiscRadius * M_SQRT1_2 * (to.linear - from.linear).norm();
-  return shift < kConvergedShift && rim < kConvergedRim;
+  return shift < tolerance && rim < kRimOverAnchor * tolerance;
 }
 
 }  // namespace
@@ -155,6 +158,8 @@ Registration::Status PatchRegistration::iterate(const ReferencePatch& reference,
   const Warp start = result->warp;
   Warp& warp = result->warp;
   SecantSteps steps;
+  const double sigma = std::sqrt(0.5 * noise_ * reference.anchorCovariance().trace());
+  const double tolerance = std::max(kConvergedShift, kConvergedShare * sigma);
   if (!inside(warp, level)) return Registration::Status::kOutside;
   if (!extractWindow(reference, level, warp)) return Registration::Status::kDeformed;
   for (result->iterations = 1; result->iterations <= kMaxIterations; ++result->iterations) {
@@ -173,7 +178,7 @@ Registration::Status PatchRegistration::iterate(const ReferencePatch& reference,
     if (!warp.pixel.allFinite() || deformed(warp.linear)) return Registration::Status::kDeformed;
     if (!inside(warp, level)) return Registration::Status::kOutside;
     if ((warp.pixel - start.pixel).norm() > kMaxShift) return Registration::Status::kNotConverged;
-    if (converged(last, warp, reference.anchor())) {
+    if (converged(last, warp, reference.anchor(), tolerance)) {
       result->pixel =
           warp.pixel +
           warp.linear * (reference.anchor() - reference.bendingAtAnchor(solution / result->gain));

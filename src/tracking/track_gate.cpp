@@ -6,9 +6,12 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kMaxSigma = 0.3;         // [px] A worse position is of no use.
-constexpr double kNoiseFactor = 3.0;      // Variance left over against that of the noise.
-constexpr double kContrastShare = 0.005;  // Of the patch's variance, left over by the warp model.
+// [px] A worse position tells no more than the flow, whose way back may miss by a pixel in all.
+constexpr double kMaxSigma = 0.7;
+// Left over by the same corner: variance against that of the noise, and of the patch's contrast, by
+// the warp model.
+constexpr double kNoiseFactor = 3.0;
+constexpr double kContrastShare = 0.005;
 constexpr double kMinGain = 0.2;
 constexpr double kMaxGain = 5.0;
 
@@ -17,6 +20,13 @@ constexpr double kResidualFactor = 1.2;
 // Variance of white noise against what smoothing leaves of it in the residual; from simulation.
 constexpr double kWhiteFactor = 4.0;
 constexpr double kFloor = 0.006;  // [px] What the warp model and the interpolation leave.
+// What noise does not explain is alike over several pixels, and displaces more than as much noise.
+constexpr double kMisfitFactor = 1.5;
+// [px] Between two things that one patch shows: the share of its contrast that is not its own pulls
+// it by that share of this. Both are from the residuals of real tracks after bundle adjustment.
+constexpr double kDisplacement = 20.0;
+
+constexpr double kMinContrast = 1.0;  // [gray^2] Below lies the noise of any camera.
 
 constexpr int kMinSample = 8;  // Registrations to learn the noise from.
 constexpr double kForget = 0.1;
@@ -24,18 +34,22 @@ constexpr double kForget = 0.1;
 }  // namespace
 
 double TrackGate::sigma(const Registration& registration) const {
-  const double noise = std::max(noise_, kResidualFactor * registration.residual);
-  const double variance = 0.5 * registration.unit_covariance.trace() * kWhiteFactor * noise;
-  return std::sqrt(variance + kFloor * kFloor);
+  const double misfit = std::max(0.0, kResidualFactor * registration.residual - noise_);
+  const double variance =
+      0.5 * registration.unit_covariance.trace() * kWhiteFactor * (noise_ + kMisfitFactor * misfit);
+  const double pull = kDisplacement * misfit / std::max(registration.contrast, kMinContrast);
+  return std::sqrt(variance + pull * pull + kFloor * kFloor);
 }
 
 double TrackGate::whiteNoise() const { return kWhiteFactor * noise_; }
 
 bool TrackGate::accepts(const Registration& registration) const {
-  if (registration.status != Registration::Status::kGood) return false;
-  if (!(registration.gain > kMinGain && registration.gain < kMaxGain)) return false;
-  const double explained = kNoiseFactor * noise_ + kContrastShare * registration.contrast;
-  return registration.residual <= explained && sigma(registration) <= kMaxSigma;
+  return registration.status == Registration::Status::kGood && registration.gain > kMinGain &&
+         registration.gain < kMaxGain && sigma(registration) <= kMaxSigma;
+}
+
+bool TrackGate::looksTheSame(const Registration& registration) const {
+  return registration.residual <= kNoiseFactor * noise_ + kContrastShare * registration.contrast;
 }
 
 void TrackGate::learn(const std::vector<Registration>& registrations) {

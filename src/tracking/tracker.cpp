@@ -1,255 +1,164 @@
 #include "camera_self_calibration/tracking/tracker.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <stdexcept>
 
-#include "camera_self_calibration/tracking/field_mask.h"
-#include "camera_self_calibration/tracking/flow_prediction.h"
-#include "camera_self_calibration/tracking/harris.h"
-#include "camera_self_calibration/tracking/local_motion.h"
-#include "camera_self_calibration/tracking/patch_registration.h"
-#include "camera_self_calibration/tracking/pyramid.h"
-#include "camera_self_calibration/tracking/stripes.h"
-#include "camera_self_calibration/tracking/track_gate.h"
-#include "camera_self_calibration/tracking/usable_area.h"
-#include "camera_self_calibration/tracking/zoom_search.h"
+#include "tracker_impl.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kAnchorReach = 2.0;  // [px] From a patch's centre to the tracked point.
-// [px] Around a corner when detected.
-constexpr int kBorder = ReferencePatch::kRawRadius + static_cast<int>(kAnchorReach) + 1;
-constexpr int kMaskRadius = ReferencePatch::kRawRadius;
-constexpr double kNeighbourhood = 0.15;             // [image widths]
-constexpr int kSaturated = 250;                     // [gray]
-constexpr double kMaxSaturatedShare = 0.25;         // Of a patch.
-constexpr double kMaxSigma = 0.2;                   // [px] Of a new track.
-constexpr double kSameCorner = kAnchorReach + 1.0;  // [px] From the tip to the detector's maximum.
-constexpr double kSpread = 0.4;  // Least distance, against that of features on a square grid.
-
-bool saturated(const cv::Mat& image, int x, int y) {
-  constexpr int r = PatchPoints::kRadius;
-  int count = 0;
-  for (int row = y - r; row <= y + r; ++row) {
-    const std::uint8_t* pixels = image.ptr<std::uint8_t>(row);
-    for (int column = x - r; column <= x + r; ++column) count += pixels[column] >= kSaturated;
-  }
-  return count > kMaxSaturatedShare * (2 * r + 1) * (2 * r + 1);
-}
+// Images for which a feature that is not found is looked for: a blink, a blurred image, somebody's
+// arm. Further on, what its neighbours say of where it would be has added up to nothing.
+constexpr int kMaxMissed = 5;
+constexpr double kNeighbourhood = 0.15;  // [image widths]
 
 }  // namespace
 
-struct Tracker::Impl {
-  // Beside the public Track of the same index.
-  struct State {
-    Warp warp;
-    Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  // [px per image]
-    std::size_t patch = 0;                               // Index in patches.
-  };
-
-  explicit Impl(const TrackerOptions& o) : options(o), usable_area(o.mask, kMaskRadius) {
-    const auto capacity = static_cast<std::size_t>(options.max_features);
-    patches.resize(capacity);
-    for (std::size_t i = capacity; i > 0; --i) free_patches.push_back(i - 1);
-  }
-
-  double minDistance() const;
-  void restart();
-  void load(const ImageView& image);
-  void advance();
-  void predict();
-  bool registerTrack(std::size_t i, PatchRegistration* worker);
-  bool registerFrom(std::size_t i, const Warp& start, PatchRegistration* worker);
-  void registerAll();
-  template <typename Keep>
-  void keepIf(const Keep& keep);
-  int cell() const;
-  bool allowed(const Corner& corner) const;
-  bool crowded(const Eigen::Vector2d& pixel, double distance) const;
-  bool cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const;
-  bool begin(const Corner& corner);
-
-  TrackerOptions options;
-  bool usable = false;  // Whether the image tracked last was an image.
-  std::int64_t next_id = 0;
-  TrackedFrame frame;
-  TrackedFrame nothing;
-  std::vector<State> states;
-  std::vector<ReferencePatch> patches;
-  std::vector<std::size_t> free_patches;
-
-  ImagePyramid previous;
-  ImagePyramid current;
-  FieldMask mask;  // Kept over a restart: the lens is the same.
-  UsableArea usable_area;
-  FlowPrediction flow;
-  ZoomSearch zoom_search;
-  LocalMotion local_motion;
-  std::array<PatchRegistration, kStripes> registrations;
-  TrackGate gate;
-  HarrisDetector harris;
-  std::vector<cv::Point2f> from;
-  std::vector<cv::Point2f> predicted;
-  // Of all tracks of an image, whether they were registered and how; of those that were.
-  std::vector<char> found;
-  std::vector<Registration> registered;
-  std::vector<Registration> accepted;
-};
-
-double Tracker::Impl::minDistance() const {
-  if (options.min_distance_px > 0.0) return options.min_distance_px;
-  const double area = static_cast<double>(frame.width) * frame.height;
-  return kSpread * std::sqrt(area / options.max_features);
+Tracker::Impl::Impl(const TrackerOptions& o)
+    : options(o), usable_area_(o.mask, ReferencePatch::kRawRadius) {
+  // As many in reserve as are wanted.
+  const std::size_t capacity = 2 * static_cast<std::size_t>(options.max_features);
+  patches_.resize(capacity);
+  for (std::size_t i = capacity; i > 0; --i) free_patches_.push_back(i - 1);
 }
 
 void Tracker::Impl::restart() {
-  keepIf([](std::size_t) { return false; });
-  current.clear();
-  previous.clear();
-  gate.reset();
+  keepIf([](const Feature&) { return false; });
+  listTracks();
+  current_.clear();
+  previous_.clear();
+  gate_.reset();
 }
 
 void Tracker::Impl::load(const ImageView& image) {
-  if (current.size() != cv::Size(image.width, image.height)) restart();
-  std::swap(previous, current);
-  current.build(image);
-  usable_area.setImageSize(image.width, image.height);
-  mask.add(current);
+  if (current_.size() != cv::Size(image.width, image.height)) restart();
+  std::swap(previous_, current_);
+  current_.build(image);
+  usable_area_.setImageSize(image.width, image.height);
+  mask_.add(current_);
   frame.stamp_ns = image.stamp_ns;
   frame.width = image.width;
   frame.height = image.height;
 }
 
+// Where the flow leads those that were found in the previous image.
 void Tracker::Impl::predict() {
-  from.clear();
-  predicted.clear();
-  for (const State& state : states) {
-    const Eigen::Vector2f at = state.warp.pixel.cast<float>();
-    const Eigen::Vector2f guess = (state.warp.pixel + state.velocity).cast<float>();
-    from.emplace_back(at.x(), at.y());
-    predicted.emplace_back(guess.x(), guess.y());
+  from_.clear();
+  predicted_.clear();
+  flow_index_.assign(features.size(), -1);
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (features[i].missed > 0) continue;
+    flow_index_[i] = static_cast<int>(from_.size());
+    const Eigen::Vector2f at = features[i].warp.pixel.cast<float>();
+    const Eigen::Vector2f guess = (features[i].warp.pixel + features[i].velocity).cast<float>();
+    from_.emplace_back(at.x(), at.y());
+    predicted_.emplace_back(guess.x(), guess.y());
   }
-  flow.run(previous, current, from, &predicted);
-  zoom_search.run(previous, current, from, &flow, &predicted);
-  local_motion.fit(
-      from, predicted, [this](std::size_t i) { return flow.found(i); },
+  flow_.run(previous_, current_, from_, &predicted_);
+  zoom_search_.run(previous_, current_, from_, &flow_, &predicted_);
+  local_motion_.fit(
+      from_, predicted_, [this](std::size_t i) { return flow_.found(i); },
       kNeighbourhood * frame.width);
 }
 
 // By the flow, or else by the motion of the neighbours: where a feature nears the image's edge, or
-// its surroundings change, the flow fails first. Tracks do not touch each other's state.
-bool Tracker::Impl::registerTrack(std::size_t i, PatchRegistration* worker) {
-  const State& state = states[i];
-  const LocalMotion::Motion motion = local_motion.at(state.warp.pixel);
-  const Eigen::Matrix2d linear = motion.linear * state.warp.linear;
-  if (flow.found(i) && registerFrom(i, {{predicted[i].x, predicted[i].y}, linear}, worker)) {
-    return true;
+// its surroundings change, the flow fails first. Features do not touch each other's state.
+bool Tracker::Impl::find(std::size_t i, PatchRegistration* worker) {
+  Feature& feature = features[i];
+  const LocalMotion::Motion motion = local_motion_.at(feature.warp.pixel);
+  const Eigen::Matrix2d linear = motion.linear * feature.warp.linear;
+  const int flow = flow_index_[i];
+  if (flow >= 0 && flow_.found(static_cast<std::size_t>(flow))) {
+    const cv::Point2f& there = predicted_[static_cast<std::size_t>(flow)];
+    if (findFrom(i, {{there.x, there.y}, linear}, motion.pixel, worker)) return true;
   }
-  return registerFrom(i, {motion.pixel, linear}, worker);
+  if (findFrom(i, {motion.pixel, linear}, motion.pixel, worker)) return true;
+  feature.velocity = motion.pixel - feature.warp.pixel;
+  feature.warp = {motion.pixel, linear};
+  ++feature.missed;
+  return false;
 }
 
-bool Tracker::Impl::registerFrom(std::size_t i, const Warp& start, PatchRegistration* worker) {
-  State& state = states[i];
-  const Registration result = worker->run(&patches[state.patch], current, start);
-  if (!gate.accepts(result)) return false;
-  state.velocity = result.warp.pixel - state.warp.pixel;
-  state.warp = result.warp;
-  frame.tracks[i].pixel = result.pixel;
-  frame.tracks[i].sigma = gate.sigma(result);
-  registered[i] = result;
+// Where the neighbours do not expect it, only what looks the same is the same: else it is another
+// corner that resembles it.
+bool Tracker::Impl::accepts(const Registration& result, const Eigen::Vector2d& expected) const {
+  return gate_.accepts(result) &&
+         ((result.warp.pixel - expected).norm() <= local_motion_.scatter() ||
+          gate_.looksTheSame(result));
+}
+
+bool Tracker::Impl::findFrom(std::size_t i, const Warp& start, const Eigen::Vector2d& expected,
+                             PatchRegistration* worker) {
+  Feature& feature = features[i];
+  const Registration result = worker->run(&patches_[feature.patch], current_, start);
+  if (!accepts(result, expected)) return false;
+  feature.velocity = result.warp.pixel - feature.warp.pixel;
+  feature.warp = result.warp;
+  feature.pixel = result.pixel;
+  feature.sigma = gate_.sigma(result);
+  feature.missed = 0;
+  registered_[i] = result;
   return true;
 }
 
-void Tracker::Impl::registerAll() {
-  found.assign(states.size(), 0);
-  registered.resize(states.size());
-  inStripes(static_cast<int>(states.size()), [this](int stripe, int begin, int end) {
-    PatchRegistration* worker = &registrations[static_cast<std::size_t>(stripe)];
+void Tracker::Impl::search() {
+  found_.assign(features.size(), 0);
+  registered_.resize(features.size());
+  inStripes(static_cast<int>(features.size()), [this](int stripe, int begin, int end) {
+    PatchRegistration* worker = &registrations_[static_cast<std::size_t>(stripe)];
     for (int i = begin; i < end; ++i) {
-      const auto track = static_cast<std::size_t>(i);
-      found[track] = registerTrack(track, worker);
+      const auto feature = static_cast<std::size_t>(i);
+      found_[feature] = find(feature, worker);
     }
   });
+}
+
+bool Tracker::Impl::mayReturn(const Feature& feature) const {
+  const Eigen::Vector2d& pixel = feature.missed > 0 ? feature.warp.pixel : feature.pixel;
+  return feature.missed <= kMaxMissed && usable_area_.contains(pixel.x(), pixel.y());
+}
+
+// Features that are not found, or poorly, do not keep others from starting: they are followed
+// beside those wanted. Those missed longest go first, then the poorest.
+void Tracker::Impl::limitReserve() {
+  reserve_.clear();
+  for (const Feature& feature : features) {
+    if (!feature.good()) reserve_.push_back(&feature);
+  }
+  const auto room = static_cast<std::size_t>(options.max_features);
+  if (reserve_.size() <= room) return;
+  const auto better = [](const Feature* a, const Feature* b) {
+    if (a->missed != b->missed) return a->missed < b->missed;
+    return a->sigma != b->sigma ? a->sigma < b->sigma : a->id < b->id;
+  };
+  const auto last = reserve_.begin() + static_cast<std::ptrdiff_t>(room) - 1;
+  std::nth_element(reserve_.begin(), last, reserve_.end(), better);
+  const Feature limit = **last;
+  keepIf([&](const Feature& feature) { return feature.good() || !better(&limit, &feature); });
 }
 
 void Tracker::Impl::advance() {
   predict();
-  registerAll();
-  accepted.clear();
-  keepIf([this](std::size_t i) {
-    if (found[i] == 0) return false;
-    accepted.push_back(registered[i]);
-    return usable_area.contains(registered[i].pixel.x(), registered[i].pixel.y());
-  });
-  gate.learn(accepted);
-  for (PatchRegistration& worker : registrations) worker.setNoise(gate.whiteNoise());
-}
-
-// Calls keep(i) once for each track, in order, and ends those for which it is false.
-template <typename Keep>
-void Tracker::Impl::keepIf(const Keep& keep) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < states.size(); ++i) {
-    if (keep(i)) {
-      states[kept] = states[i];
-      frame.tracks[kept++] = frame.tracks[i];
-    } else {
-      free_patches.push_back(states[i].patch);
-    }
+  search();
+  accepted_.clear();
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (found_[i] != 0) accepted_.push_back(registered_[i]);
   }
-  states.resize(kept);
-  frame.tracks.resize(kept);
+  keepIf([this](const Feature& feature) { return mayReturn(feature); });
+  limitReserve();
+  gate_.learn(accepted_);
+  for (PatchRegistration& worker : registrations_) worker.setNoise(gate_.whiteNoise());
+  listTracks();
 }
 
-int Tracker::Impl::cell() const {
-  const double area = static_cast<double>(frame.width) * frame.height;
-  return std::max(1, static_cast<int>(std::sqrt(area / options.max_features)));
-}
-
-// Whether a feature may be there.
-bool Tracker::Impl::allowed(const Corner& corner) const {
-  return !mask.touches(corner.x, corner.y, kMaskRadius) &&
-         usable_area.contains(corner.x, corner.y) &&
-         !saturated(current.level(0), corner.x, corner.y);
-}
-
-bool Tracker::Impl::crowded(const Eigen::Vector2d& pixel, double distance) const {
-  return std::any_of(frame.tracks.begin(), frame.tracks.end(), [&](const Track& track) {
-    return (track.pixel - pixel).squaredNorm() < distance * distance;
-  });
-}
-
-// Cuts the patch at the corner's tip, which lies beside the maximum of the detector's response.
-bool Tracker::Impl::cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const {
-  Eigen::Vector2i centre(corner.x, corner.y);
-  for (int pass = 0; pass < 2; ++pass) {
-    patch->cut(current.level(0), centre.x(), centre.y());
-    if (!registrations[0].prepare(patch)) return false;
-    patch->chooseAnchor(kAnchorReach);
-    warp->pixel = centre.cast<double>();
-    const Eigen::Vector2i step = patch->anchor().array().round().cast<int>();
-    if (step.isZero()) return true;
-    centre += step;
+void Tracker::Impl::listTracks() {
+  frame.tracks.clear();
+  for (const Feature& feature : features) {
+    if (feature.missed > 0) continue;
+    frame.tracks.push_back({feature.id, feature.pixel, feature.reference_pixel, feature.sigma});
   }
-  return true;
-}
-
-bool Tracker::Impl::begin(const Corner& corner) {
-  const std::size_t slot = free_patches.back();
-  Warp warp;
-  if (!cut(corner, &patches[slot], &warp)) return false;
-  const Eigen::Vector2d pixel = warp.pixel + patches[slot].anchor();
-  if (crowded(pixel, minDistance())) return false;
-  // Registered on itself: what sigma the next images are to expect.
-  const Registration itself = registrations[0].run(&patches[slot], current, warp);
-  if (!gate.accepts(itself) || gate.sigma(itself) > kMaxSigma) return false;
-  free_patches.pop_back();
-  states.push_back({warp, Eigen::Vector2d::Zero(), slot});
-  frame.tracks.push_back({next_id++, pixel, pixel, gate.sigma(itself)});
-  return true;
 }
 
 Tracker::Tracker(const TrackerOptions& options) {
@@ -276,34 +185,18 @@ const TrackedFrame& Tracker::track(const ImageView& image) {
 }
 
 std::vector<Track> Tracker::detect() {
-  std::vector<Track> started;
-  if (!impl_->usable || impl_->free_patches.empty()) return started;
-  impl_->mask.update();
-  impl_->frame.field = impl_->mask.field(impl_->frame.width, impl_->frame.height);
-  for (const Corner& corner : impl_->harris.detect(impl_->current, kBorder, impl_->cell())) {
-    if (impl_->free_patches.empty()) break;
-    if (impl_->crowded({corner.x, corner.y}, impl_->minDistance())) continue;
-    if (!impl_->allowed(corner)) continue;
-    if (impl_->begin(corner)) started.push_back(impl_->frame.tracks.back());
-  }
-  return started;
+  return impl_->usable ? impl_->detect() : std::vector<Track>();
 }
 
 std::vector<Eigen::Vector2d> Tracker::corners(int count) {
-  if (!impl_->usable) return {};
-  std::vector<Eigen::Vector2d> found;
-  for (const Corner& corner : impl_->harris.detect(impl_->current, kBorder, impl_->cell())) {
-    if (static_cast<int>(found.size()) >= count) break;
-    if (impl_->crowded({corner.x, corner.y}, kSameCorner) || !impl_->allowed(corner)) continue;
-    found.emplace_back(corner.x, corner.y);
-  }
-  return found;
+  return impl_->usable ? impl_->corners(count) : std::vector<Eigen::Vector2d>();
 }
 
 void Tracker::drop(const std::vector<std::int64_t>& ids) {
-  impl_->keepIf([&](std::size_t i) {
-    return std::find(ids.begin(), ids.end(), impl_->frame.tracks[i].id) == ids.end();
+  impl_->keepIf([&](const Feature& feature) {
+    return std::find(ids.begin(), ids.end(), feature.id) == ids.end();
   });
+  impl_->listTracks();
 }
 
 void Tracker::reset() {

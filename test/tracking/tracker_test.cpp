@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 
 #include "camera_self_calibration/geometry/so3.h"
@@ -102,6 +104,58 @@ TEST(Tracker, EndsTracksThatAreCovered) {
     EXPECT_GT((track.pixel - Eigen::Vector2d(159.5, 119.5)).lpNorm<Eigen::Infinity>(), 45.0);
   }
   EXPECT_GT(after, (before - inside) * 8 / 10);
+}
+
+// Something passes in front of a part of the image for some images.
+TEST(Tracker, FindsCoveredTracksAgain) {
+  const auto covered = [](int image) { return image >= 4 && image < 7; };
+  Tracker tracker{TrackerOptions()};
+  std::set<std::int64_t> before, after;
+  for (int i = 0; i < 9; ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 1);
+    const Rigid3 pose(expSo3({0.0, 0.004 * i, 0.0}), {0.004 * i, 0.0, 0.0});
+    TestImage image = renderer().render(pose, {}, &random);
+    for (int y = 0; covered(i) && y < image.height; ++y) {
+      std::fill_n(image.pixels.begin() + y * image.width + 60, 120, std::uint8_t{128});
+    }
+    for (const Track& track : tracker.track(image.view(i)).tracks) {
+      const bool behind = track.pixel.x() > 72.0 && track.pixel.x() < 168.0;
+      EXPECT_FALSE(behind && covered(i)) << i;
+      if (behind && i == 3) before.insert(track.id);
+      if (i == 8 && before.count(track.id) > 0) after.insert(track.id);
+    }
+    if (i == 0) ASSERT_GT(tracker.detect().size(), 60u);
+  }
+  ASSERT_GT(before.size(), 10u);
+  EXPECT_GT(after.size(), before.size() * 7 / 10);
+}
+
+// What is in one image alone, such as noise, begins no track.
+TEST(Tracker, BeginsNoTrackThatTheImageBeforeDoesNotShow) {
+  Tracker tracker{TrackerOptions()};
+  tracker.track(still(1).view(0));
+  TestImage image = still(2);
+  const auto strange = [](const Eigen::Vector2d& pixel) {
+    return pixel.x() > 100.0 && pixel.x() < 200.0 && pixel.y() > 70.0 && pixel.y() < 170.0;
+  };
+  std::mt19937_64 random(5);
+  for (int y = 60; y < 180; ++y) {
+    for (int x = 90; x < 210; ++x) {
+      const int block = ((x / 7) * 31 + (y / 7) * 17) % 5;
+      image.pixels[static_cast<std::size_t>(y * image.width + x)] =
+          static_cast<std::uint8_t>(40 * block + 20);
+    }
+  }
+  tracker.track(image.view(1));
+  std::size_t inside = 0;
+  const std::vector<Track> started = tracker.detect();
+  for (const Track& track : started) inside += strange(track.pixel);
+  EXPECT_GT(started.size(), 20u);
+  EXPECT_EQ(inside, 0u);
+  tracker.track(image.view(2));
+  inside = 0;
+  for (const Track& track : tracker.detect()) inside += strange(track.pixel);
+  EXPECT_GT(inside, 5u);
 }
 
 TEST(Tracker, GatesSilhouettes) {

@@ -27,6 +27,9 @@ class FlowPrediction {
   /// Whether the i-th point of the last run was found, and leads back to where it came from.
   bool found(std::size_t i) const { return found_[i] != 0; }
 
+  /// Brightness of the second image of the last run against that of the first.
+  float gain() const { return gain_; }
+
  private:
   void follow(const ImagePyramid& from, const ImagePyramid& to, int coarsest,
               const std::vector<cv::Point2f>& points, std::vector<cv::Point2f>* predicted);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -31,6 +32,10 @@ class LocalMotion {
   /// The identity where nothing is known of the neighbourhood.
   Motion at(const Eigen::Vector2d& pixel) const;
 
+  /// How far features that are followed rightly are from where their neighbours expect them, by
+  /// parallax and the flow's errors [px]; infinite where nothing is known of the neighbourhood.
+  double scatter() const { return scatter_; }
+
  private:
   void clear();
   void add(const cv::Point2f& from, const cv::Point2f& to);
@@ -43,6 +48,7 @@ class LocalMotion {
   std::vector<double> misses_;
   std::vector<double> sorted_;
   double reach_ = 1.0;
+  double scatter_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace camera_self_calibration

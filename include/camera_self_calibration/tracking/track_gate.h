@@ -12,12 +12,17 @@ class TrackGate {
  public:
   void reset() { *this = TrackGate(); }
 
-  /// Standard deviation of the registered pixel per axis [px].
+  /// Standard deviation of the registered pixel per axis [px]: by noise, and by what the patch
+  /// shows now that is not in its reference, such as a nearer surface at its side.
   double sigma(const Registration& registration) const;
 
-  /// Whether the patch is still the same piece of the world: the difference left over is explained
-  /// by noise and by a small share of the patch's contrast, and the position is well determined.
+  /// Whether the patch is still the same piece of the world. A difference that is left over makes
+  /// the position less certain first, and ends the track when it says nothing any more.
   bool accepts(const Registration& registration) const;
+
+  /// Whether the difference left over is explained by noise and by a share of the patch's contrast
+  /// that another corner, however alike, would exceed.
+  bool looksTheSame(const Registration& registration) const;
 
   /// Learns from the accepted registrations of one image.
   void learn(const std::vector<Registration>& registrations);

@@ -13,7 +13,9 @@
 namespace camera_self_calibration {
 
 struct TrackerOptions {
-  int max_features = 128;        ///< Live tracks, at most.
+  /// Good tracks, at most. Those that have become poor, or are not found for some images, are
+  /// followed beside them, as many again at most.
+  int max_features = 128;
   double min_distance_px = 0.0;  ///< Between features; 0: chosen from image size and count.
   /// 0 where no feature may be, as on parts of the robot; scaled to the images. None: everywhere.
   std::optional<ImageView> mask;
@@ -24,17 +26,21 @@ struct TrackerOptions {
 
 /// Follows Harris corners from image to image (sections II-A, II-C): pyramidal KLT predicts, then
 /// the patch is registered, with an affine warp, gain and bias, against the image in which the
-/// corner was detected, so that errors do not add up along the track.
+/// corner was detected, so that errors do not add up along the track. What the patch shows beside
+/// its own surface makes a measurement less certain before it ends the track, and a track that is
+/// not found (blur, something that passes) is looked for in the next images where its neighbours
+/// say that it is.
 class Tracker {
  public:
   explicit Tracker(const TrackerOptions& options);
   ~Tracker();
 
-  /// Advances all tracks into this image; those that fail are dropped. The image has one size over
-  /// the life of the tracker; another size drops all tracks and starts over.
+  /// Advances all tracks into this image, and returns those that were found. The image has one size
+  /// over the life of the tracker; another size drops all tracks and starts over.
   const TrackedFrame& track(const ImageView& image);
 
-  /// Detects corners in the image tracked last, where no track is near, and starts tracks there.
+  /// Detects corners in the image tracked last, where no track is near, and starts tracks at those
+  /// that the image before shows too.
   /// Returns the new ones (pixel == reference_pixel).
   std::vector<Track> detect();
 

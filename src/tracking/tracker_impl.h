@@ -1,0 +1,117 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "camera_self_calibration/tracking/field_mask.h"
+#include "camera_self_calibration/tracking/flow_prediction.h"
+#include "camera_self_calibration/tracking/harris.h"
+#include "camera_self_calibration/tracking/local_motion.h"
+#include "camera_self_calibration/tracking/lucas_kanade.h"
+#include "camera_self_calibration/tracking/patch_registration.h"
+#include "camera_self_calibration/tracking/pyramid.h"
+#include "camera_self_calibration/tracking/stripes.h"
+#include "camera_self_calibration/tracking/track_gate.h"
+#include "camera_self_calibration/tracking/tracker.h"
+#include "camera_self_calibration/tracking/usable_area.h"
+#include "camera_self_calibration/tracking/zoom_search.h"
+
+namespace camera_self_calibration {
+
+/// A corner of the scene that is followed. While it is not found, its warp is where its neighbours
+/// say that it would be.
+struct Feature {
+  std::int64_t id = 0;
+  Eigen::Vector2d reference_pixel = Eigen::Vector2d::Zero();  // in the image of its detection
+  std::size_t patch = 0;                                      // index in Tracker::Impl::patches
+  Warp warp;                                                  // of that patch
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();         // [px per image]
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();            // when last found
+  double sigma = 0.0;                                         // of that [px]
+  int missed = 0;                                             // images since it was last found
+
+  // [px] A new feature's, at most.
+  static constexpr double kGoodSigma = 0.2;
+  // Others are in reserve: a new feature would tell more.
+  bool good() const { return missed == 0 && sigma <= kGoodSigma; }
+};
+
+struct Tracker::Impl {
+  explicit Impl(const TrackerOptions& o);
+
+  void restart();
+  void load(const ImageView& image);
+  void advance();
+  std::vector<Track> detect();
+  std::vector<Eigen::Vector2d> corners(int count);
+  template <typename Keep>
+  void keepIf(const Keep& keep);
+  void listTracks();
+
+  TrackerOptions options;
+  bool usable = false;  // whether the image tracked last was an image
+  TrackedFrame frame;
+  TrackedFrame nothing;
+  std::vector<Feature> features;
+
+ private:
+  void predict();
+  void search();
+  bool find(std::size_t i, PatchRegistration* worker);
+  bool findFrom(std::size_t i, const Warp& start, const Eigen::Vector2d& expected,
+                PatchRegistration* worker);
+  bool accepts(const Registration& result, const Eigen::Vector2d& expected) const;
+  void limitReserve();
+  bool mayReturn(const Feature& feature) const;
+
+  double minDistance() const;
+  int cell() const;
+  bool allowed(const Corner& corner) const;
+  bool crowded(const Eigen::Vector2d& pixel, double distance) const;
+  bool cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const;
+  bool begin(const Corner& corner);
+  bool seenBefore(Feature* feature);
+
+  std::int64_t next_id_ = 0;
+  std::vector<ReferencePatch> patches_;
+  std::vector<std::size_t> free_patches_;
+
+  ImagePyramid previous_;
+  ImagePyramid current_;
+  FieldMask mask_;  // kept over a restart: the lens is the same
+  UsableArea usable_area_;
+  FlowPrediction flow_;
+  ZoomSearch zoom_search_;
+  LocalMotion local_motion_;
+  LucasKanade backward_;
+  std::array<PatchRegistration, kStripes> registrations_;
+  TrackGate gate_;
+  HarrisDetector harris_;
+  // Of the features that were found in the previous image: where, and where the flow leads.
+  std::vector<cv::Point2f> from_;
+  std::vector<cv::Point2f> predicted_;
+  std::vector<int> flow_index_;  // of each feature in them; -1: none
+  // Of all features of an image, whether they were found and how; of those that were.
+  std::vector<char> found_;
+  std::vector<Registration> registered_;
+  std::vector<Registration> accepted_;
+  std::vector<const Feature*> reserve_;  // not good
+};
+
+// Calls keep(feature) once for each feature, in order, and ends those for which it is false.
+template <typename Keep>
+void Tracker::Impl::keepIf(const Keep& keep) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (keep(features[i])) {
+      features[kept++] = features[i];
+    } else {
+      free_patches_.push_back(features[i].patch);
+    }
+  }
+  features.resize(kept);
+}
+
+}  // namespace camera_self_calibration
