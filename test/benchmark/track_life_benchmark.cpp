@@ -52,7 +52,7 @@ class Lives {
 
 struct Contender {
   const char* name;
-  Lives lives;
+  Lives lives = {};
   double seconds = 0.0;  // of processor time
   std::unique_ptr<EpipolarErrors> errors = {};
 
