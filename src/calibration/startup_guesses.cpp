@@ -37,17 +37,19 @@ std::vector<Camera> otherGuesses(const Camera& initial) {
 
 }  // namespace
 
-// Some at a time: what a keyframe costs is bounded. The best of them is adopted in the end.
+// Some at a time, and at last the best of them at a keyframe of its own: what each costs is
+// bounded.
 void Startup::tryOtherGuesses() {
   const std::vector<Camera> guesses = otherGuesses(initial_);
-  for (int grown = 0; grown < kRetryBudget && next_guess_ < guesses.size(); ++next_guess_) {
+  int grown = 0;
+  for (; grown < kRetryBudget && next_guess_ < guesses.size(); ++next_guess_) {
     const Trial trial = tryGuess(guesses[next_guess_]);
     grown += static_cast<int>(trial.segment.keyframes.size());
     const double cost = trial.cost / static_cast<double>(trial.segment.observations.size());
     if (!trial.better || (best_guess_ && best_guess_->cost <= cost)) continue;
     best_guess_ = Guess{guesses[next_guess_], cost};
   }
-  if (next_guess_ < guesses.size()) return;
+  if (next_guess_ < guesses.size() || (best_guess_ && grown > 0)) return;
   next_guess_ = 0;
   next_retry_ = next_retry_ * 3 / 2;
   if (best_guess_) adopt(tryGuess(best_guess_->camera));

@@ -28,9 +28,10 @@ namespace {
 constexpr int kWidth = 640;
 constexpr int kHeight = 480;
 constexpr int kHistory = 30;  // keyframes that a front end hands over
-// The worst of a few hundred keyframes scatters by about 1.5 from run to run; a decomposition or a
-// solution too many in a loop costs a factor of ten and more.
-constexpr double kMaxRatio = 3.0;
+// Measured 5: where nothing fits, other guesses are tried and the best is adopted. The worst of a
+// few hundred keyframes scatters by about 1.5 from run to run; with an eigen-decomposition in every
+// step and all guesses at one keyframe it was 17.
+constexpr double kMaxRatio = 7.0;
 
 struct Sighting {
   int keyframe = 0;
