@@ -60,6 +60,13 @@ void restartRunawayDepths(double max_ratio, Segment* segment) {
 
 }  // namespace
 
+bool ranAway(const Camera& camera) {
+  // Of the image width: a lens that sees all around (2 pi) in a circle over a third of the image.
+  constexpr double kShortestFocal = 0.05;
+  return !camera.valid() ||
+         camera.parameters().head<2>().minCoeff() < kShortestFocal * camera.width();
+}
+
 Segment prefixOf(const Segment& segment, int keyframes, int min_views,
                  std::vector<int>* landmark_index) {
   Segment prefix;

@@ -173,17 +173,26 @@ Segment extended(const Segment& batch, const Segment& history, const Camera& cam
   return assembly.build(&camera);
 }
 
-Segment withoutKeyframe(const Segment& segment, int k) {
-  std::vector<Keyframe> keyframes = segment.keyframes;
-  keyframes.erase(keyframes.begin() + k);
-  std::vector<int> index;
-  for (int i = 0; i < static_cast<int>(segment.keyframes.size()); ++i) {
-    index.push_back(i < k ? i : i == k ? -1 : i - 1);
+Segment onlyKeyframes(const Segment& segment, const std::vector<char>& keep) {
+  std::vector<Keyframe> keyframes;
+  std::vector<int> index(segment.keyframes.size(), -1);
+  int earlier = 0;
+  for (std::size_t k = 0; k < segment.keyframes.size(); ++k) {
+    if (keep[k] == 0) continue;
+    index[k] = static_cast<int>(keyframes.size());
+    keyframes.push_back(segment.keyframes[k]);
+    earlier += segment.isEarlier(static_cast<int>(k)) ? 1 : 0;
   }
   Assembly assembly(std::move(keyframes));
-  assembly.setEarlier(segment, segment.earlier_keyframes - (segment.isEarlier(k) ? 1 : 0));
+  assembly.setEarlier(segment, earlier);
   assembly.add(segment, index, true);
   return assembly.build(nullptr);
+}
+
+Segment withoutKeyframe(const Segment& segment, int k) {
+  std::vector<char> keep(segment.keyframes.size(), 1);
+  keep[k] = 0;
+  return onlyKeyframes(segment, keep);
 }
 
 int leastInformative(const KeyframeChoiceOptions& options, const Segment& segment,

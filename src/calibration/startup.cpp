@@ -4,13 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 #include <utility>
 
+#include "camera_self_calibration/calibration/connection.h"
 #include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/calibration/weak_directions.h"
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
@@ -18,27 +17,32 @@ namespace {
 
 // Other guesses are tried after so many keyframes, and again each time there are 3/2 as many.
 constexpr int kFirstRetry = 6;
-constexpr int kRetryKeyframes = 12;    // at most, in the comparison of guesses
-constexpr double kClearlyLess = 0.98;  // of a cost: another minimum, not the same one again
+constexpr int kNewBatchKeyframes = 12;  // at most, where one begins again
 constexpr double kHuber = 2.0;
 constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
+// Of the likelihood ratio that k3 needs: promised to first order, it may turn out twice as large.
+constexpr double kWorthAFit = 0.5;
 
-std::vector<Camera> otherGuesses(const Camera& initial) {
-  std::vector<Camera> guesses;
-  const double width = initial.width();
-  for (const double focal : {0.35, 0.5, 0.75, 1.1}) {
-    for (const double w : {1.0, 0.6}) {
-      Intrinsics parameters =
-          Camera::defaultGuess(initial.model(), initial.width(), initial.height()).parameters();
-      parameters(0) = parameters(1) = focal * width;
-      if (initial.model() == CameraModel::kFov) parameters(4) = w;
-      Camera camera(initial.model(), initial.width(), initial.height(), parameters);
-      if (initial.estimatedCount() == kMaxIntrinsics) camera.setEstimateK3(true);
-      guesses.push_back(camera);
-      if (initial.model() != CameraModel::kFov) break;
-    }
-  }
-  return guesses;
+Segment newestKeyframes(const Segment& segment, int count) {
+  std::vector<char> keep(segment.keyframes.size(), 1);
+  const int left_out = static_cast<int>(keep.size()) - count;
+  for (int k = 0; k < left_out; ++k) keep[k] = 0;
+  return onlyKeyframes(segment, keep);
+}
+
+int countAfter(std::int64_t id, const Segment& segment) {
+  return static_cast<int>(
+      std::count_if(segment.keyframes.begin(), segment.keyframes.end(),
+                    [id](const Keyframe& keyframe) { return keyframe.id > id; }));
+}
+
+// The likelihood ratio that k3 has to offer at a solution without it, to first order (score test).
+double promisedByK3(Segment segment, Camera camera) {
+  camera.setEstimateK3(true);
+  const Problem problem{&camera, true, {freeBlock(&segment, camera)}};
+  const Marginal marginal = marginalize(problem, kHuber, 1);
+  const double step = marginal.remainingStep();
+  return step * step / std::max(1.0, marginal.designEffect());
 }
 
 // Whether the newest solved keyframe is among those of the history.
@@ -75,8 +79,11 @@ void Startup::reset(const Camera& initial) {
   residual_scale_ = 1.0;
   usable_ = false;
   told_ = false;
+  ran_away_ = false;
   added_ = 0;
   next_retry_ = kFirstRetry;
+  next_guess_ = 0;
+  best_guess_.reset();
 }
 
 void Startup::switchModel(const Camera& camera) {
@@ -122,10 +129,12 @@ bool Startup::tellsLens() const {
 
 void Startup::add(const Segment& history) {
   if (history.keyframes.size() < 2) return;
-  if (continues(segment_, history)) {
-    extend(history);
-  } else {
+  if (!continues(segment_, history)) {
     beginBatch(history);
+  } else if (ran_away_) {
+    beginAgain(history);
+  } else {
+    extend(history);
   }
   judge();
   if (added_ >= next_retry_ &&
@@ -141,6 +150,8 @@ void Startup::add(const Segment& history) {
 // A lost map is no reason to forget the lens.
 void Startup::beginBatch(const Segment& history) {
   next_retry_ = kFirstRetry;
+  next_guess_ = 0;
+  best_guess_.reset();
   if (next_) {
     camera_ = next_->camera;
     options_.growth.prior = next_->prior;
@@ -148,57 +159,37 @@ void Startup::beginBatch(const Segment& history) {
   } else if (!usable_) {
     camera_ = initial_;
   }
-  segment_ = history;
+  segment_ = connectedToNewest(history);
   bootstrap(options_.growth, &segment_, &camera_);
   added_ = static_cast<int>(history.keyframes.size());
 }
 
-void Startup::extend(const Segment& history) {
-  const int known = static_cast<int>(segment_.keyframes.size());
-  segment_ = extended(segment_, history, camera_);
-  const int keyframes = static_cast<int>(segment_.keyframes.size());
-  for (int k = known; k < keyframes; ++k) {
-    growByKeyframe(options_.growth, k, &segment_, &camera_);
-  }
-  added_ += keyframes - known;
+// With what is known of the lens from before, and from few keyframes: bounded time.
+void Startup::beginAgain(const Segment& history) {
+  added_ += countAfter(segment_.keyframes.back().id, history);
+  camera_ = next_ ? next_->camera : trusted_;
+  options_.growth.prior = next_ ? next_->prior : vaguePrior(camera_);
+  segment_ = connectedToNewest(newestKeyframes(history, kNewBatchKeyframes));
+  bootstrap(options_.growth, &segment_, &camera_);
 }
 
-void Startup::tryOtherGuesses() {
-  next_retry_ = next_retry_ * 3 / 2;
-  // Compared over the first keyframes, whatever the length of the batch: bounded time.
-  const int keyframes = std::min(kRetryKeyframes, static_cast<int>(segment_.keyframes.size()));
-  std::vector<int> landmark_index;
-  const Segment start = prefixOf(segment_, keyframes, 1, &landmark_index);
-  Segment present = start;
-  double best = usable_ ? robustCost(freeBlock(&present, camera_), camera_, kHuber)
-                        : std::numeric_limits<double>::infinity();
-  std::optional<Camera> better;
-  for (Camera guess : otherGuesses(initial_)) {
-    Segment trial = start;
-    GrowthOptions growth = options_.growth;
-    growth.prior = vaguePrior(guess);
-    const double cost = bootstrap(growth, &trial, &guess);
-    if (!(cost < kClearlyLess * best)) continue;
-    best = cost;
-    present = trial;
-    better = guess;
+void Startup::extend(const Segment& history) {
+  const std::int64_t newest = segment_.keyframes.back().id;
+  segment_ = connectedToNewest(extended(segment_, history, camera_));
+  const int keyframes = static_cast<int>(segment_.keyframes.size());
+  const int known = keyframes - countAfter(newest, segment_);
+  if (known == 0) {
+    bootstrap(options_.growth, &segment_, &camera_);
+  } else {
+    for (int k = known; k < keyframes; ++k) {
+      growByKeyframe(options_.growth, k, &segment_, &camera_);
+    }
   }
-  if (!better) return;
-  const Startup before = *this;
-  camera_ = *better;
-  options_.growth.prior = vaguePrior(camera_);
-  adoptPrefix(present, landmark_index, &segment_);
-  for (int k = keyframes; k < static_cast<int>(segment_.keyframes.size()); ++k) {
-    growByKeyframe(options_.growth, k, &segment_, &camera_);
-  }
-  judge();
-  // What fits the first keyframes better by chance does not fit the others.
-  const bool worse = !usable_ || residual_scale_ > before.residual_scale_;
-  if (before.tellsLens() && worse) *this = before;
+  added_ += countAfter(newest, history);
 }
 
 void Startup::judge() {
-  usable_ = false;
+  usable_ = ran_away_ = false;
   whole_image_uncertainty_ = PixelError::unknown();
   if (static_cast<int>(segment_.keyframes.size()) < options_.growth.free_after_keyframes) return;
   Segment gated = segment_;
@@ -210,7 +201,8 @@ void Startup::judge() {
   options.prior = options_.growth.prior;
   options.depth_noise = DepthNoise::kDiscounted;
   const SegmentFit fit = fitSegment(options, &gated, &camera);
-  if (!fit.usable || !camera.valid()) return;
+  ran_away_ = !fit.usable || ranAway(camera);
+  if (ran_away_) return;
   camera_ = camera;
   residual_scale_ = fit.residual_scale;
   setInformation(fit.marginal);
@@ -267,6 +259,7 @@ void Startup::considerK3(const Segment& gated) {
       static_cast<int>(gated.keyframes.size()) < kFirstRetry) {
     return;
   }
+  if (promisedByK3(gated, camera_) < kWorthAFit * options_.k3_likelihood_ratio) return;
   const SegmentFitOptions options = comparableFits();
   Segment without_segment = gated;
   Camera without_camera = camera_;

@@ -70,6 +70,7 @@ class DogLeg {
   ProblemState saved_;
   double cost_ = 0.0;
   bool linearized_ = false;  // at the present state
+  bool finite_ = false;      // what came of it
   Eigen::VectorXd gradient_;
   Eigen::VectorXd scale_;  // column norms of J
   PseudoInverse reduced_inverse_;
@@ -125,6 +126,7 @@ void DogLeg::gather() {
     linear.copyDiagonal(ownPart(i, &scale_));
   }
   // A column without information has no gradient either: any positive scale serves.
+  finite_ = std::isfinite(cost_) && gradient_.allFinite() && scale_.allFinite();
   scale_ = scale_.unaryExpr([](double s) { return s > 0.0 ? std::sqrt(s) : 1.0; }).eval();
 }
 
@@ -154,9 +156,11 @@ bool DogLeg::gaussNewton() {
   return std::isfinite(newton_norm_);
 }
 
-// The Gauss-Newton end of the dog-leg path at the present state; false where there is none.
+// The Gauss-Newton end of the dog-leg path at the present state; false where there is none. No
+// damping helps where the derivatives overflow.
 bool DogLeg::makePath() {
   if (!linearized_) linearize();
+  if (!finite_) return false;
   while (!gaussNewton()) {
     damping_ *= 10.0;
     if (damping_ >= kMaxDamping) return false;
@@ -248,7 +252,7 @@ SolveSummary DogLeg::run() {
   SolveSummary summary;
   linearize();
   summary.initial_cost = summary.final_cost = cost_;
-  summary.usable = std::isfinite(cost_);
+  summary.usable = finite_;
   while (summary.usable && !summary.converged && summary.iterations < options_.max_iterations &&
          radius_ > kMinRadius && (has_path_ || makePath())) {
     ++summary.iterations;

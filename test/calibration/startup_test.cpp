@@ -181,6 +181,56 @@ TEST(Startup, BearsKeyframesThatItNeverSees) {
   EXPECT_EQ(startup.segment().keyframes.size(), made.segment.keyframes.size());
 }
 
+// All tracks end before keyframe `k`; those that go on there are others.
+Segment splitAt(Segment segment, int k) {
+  const auto tracks = static_cast<int>(segment.landmarks.size());
+  std::vector<int> rest(segment.landmarks.size(), -1);
+  for (Observation& observation : segment.observations) {
+    if (observation.keyframe < k || segment.landmarks[observation.landmark].reference >= k)
+      continue;
+    int& other = rest[observation.landmark];
+    if (other < 0) {
+      other = static_cast<int>(segment.landmarks.size());
+      Landmark landmark;
+      landmark.track_id = 100000 + observation.landmark;
+      landmark.reference = observation.keyframe;
+      landmark.anchored = false;
+      segment.landmarks.push_back(landmark);
+    }
+    observation.landmark = other;
+  }
+  EXPECT_GT(static_cast<int>(segment.landmarks.size()), tracks);
+  return segment;
+}
+
+TEST(Startup, LeavesOutWhatNoTrackConnects) {
+  SimulatedSegment made = longSegment(ordinaryCameras()[1], MotionKind::kHandheld, 3, 24);
+  constexpr int kSplit = 9;
+  made.segment = splitAt(made.segment, kSplit);
+  const Startup startup = grown(made);
+  ASSERT_EQ(startup.segment().keyframes.size(), made.segment.keyframes.size() - kSplit);
+  EXPECT_EQ(startup.segment().keyframes.front().id, made.segment.keyframes[kSplit].id);
+  EXPECT_EQ(startup.keyframesAdded(), static_cast<int>(made.segment.keyframes.size()));
+  EXPECT_TRUE(isRight(startup, made.camera));
+}
+
+// Pixels without any sense: nothing grows without end.
+TEST(Startup, DoesNotRunAway) {
+  for (const Camera& lens : ordinaryCameras()) {
+    SimulatedSegment made = longSegment(lens, MotionKind::kForwardOnly, 5, kSanitized ? 8 : 24);
+    Random random(7);
+    for (Observation& observation : made.segment.observations) {
+      observation.pixel = {random.uniform(0.0, 639.0), random.uniform(0.0, 479.0)};
+    }
+    const Startup startup = grown(made);
+    EXPECT_FALSE(startup.usable() && ranAway(startup.camera())) << toString(lens.model());
+    EXPECT_FALSE(startup.tellsLens()) << toString(lens.model());
+    for (const Keyframe& keyframe : startup.segment().keyframes) {
+      EXPECT_TRUE(keyframe.world_from_camera.translation.allFinite()) << toString(lens.model());
+    }
+  }
+}
+
 // A lens whose distortion needs the third radial coefficient gets it, one that does not does not.
 TEST(Startup, AddsK3WhenObservationsDemandIt) {
   const Camera needs =

@@ -23,6 +23,10 @@ struct GrowthOptions {
   IntrinsicsPrior prior = {};             ///< Vague, against runaways.
 };
 
+/// Whether an estimate has left what any lens can be. Depths and positions then grow without end,
+/// the way back is lost, and what they multiply to overflows.
+bool ranAway(const Camera& camera);
+
 /// One step of growing a solution: keyframe `k` starts at the pose of the one before, landmarks
 /// that appear there at the median depth; its pose is solved alone, then all keyframes up to it
 /// jointly, the intrinsics among them if there are enough. Depths that run away (not positive, or

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/map/segment.h"
@@ -12,8 +14,11 @@ namespace camera_self_calibration {
 /// An empty batch becomes all of history.
 Segment extended(const Segment& batch, const Segment& history, const Camera& camera);
 
-/// Leaves keyframe `k` out, and the landmarks that are not seen twice without it. Depths and
-/// bearings that referred to it move on to the landmark's next keyframe.
+/// The keyframes with a `keep` other than 0, and the landmarks that are seen twice there. Depths
+/// and bearings that referred to another keyframe move on to the landmark's next one.
+Segment onlyKeyframes(const Segment& segment, const std::vector<char>& keep);
+
+/// Leaves keyframe `k` out.
 Segment withoutKeyframe(const Segment& segment, int k);
 
 struct KeyframeChoiceOptions {

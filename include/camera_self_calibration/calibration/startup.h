@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 #include "camera_self_calibration/calibration/growth.h"
 #include "camera_self_calibration/calibration/keyframe_choice.h"
@@ -26,10 +28,12 @@ struct StartupOptions {
 /// The batch solution from no knowledge (section II-C): keyframes chosen for information,
 /// landmarks and the intrinsics, grown keyframe by keyframe so that each solve starts near. A full
 /// batch leaves out the keyframe that tells least, so that it waits at constant cost for motion
-/// that informs, and slow motion adds up. Where the result does not fit the tracker's sigma, a
-/// small grid of other first guesses is tried from the beginning. A vague prior about the last
-/// estimate that told something keeps what is not observed from running away. radtan starts with
-/// four distortion coefficients; k3 joins them when the observations demand it.
+/// that informs, and slow motion adds up. Keyframes that no tracks connect to the newest one are
+/// left out, and a batch that ran away begins again from the newest keyframes. Where the result
+/// does not fit the tracker's sigma, a small grid of other first guesses is tried from the
+/// beginning. A vague prior about the last estimate that told something keeps what is not observed
+/// from running away. radtan starts with four distortion coefficients; k3 joins them when the
+/// observations demand it.
 class Startup {
  public:
   Startup(const StartupOptions& options, const Camera& initial);
@@ -90,9 +94,26 @@ class Startup {
     Camera camera;
     IntrinsicsPrior prior;
   };
+  // Another first guess, and what it costs for each observation.
+  struct Guess {
+    Camera camera;
+    double cost = 0.0;
+  };
+  // The first keyframes, solved from another guess.
+  struct Trial {
+    Segment segment;
+    std::vector<int> landmark_index;  // in the whole batch
+    Camera camera;
+    double cost = 0.0;
+    bool better = false;  // than the present solution
+  };
+
   void beginBatch(const Segment& history);
+  void beginAgain(const Segment& history);
   void extend(const Segment& history);
   void tryOtherGuesses();
+  Trial tryGuess(const Camera& guess) const;
+  void adopt(const Trial& trial);
   void judge();
   void setInformation(const Marginal& marginal);
   void setInformation(const IntrinsicsMatrix& information);
@@ -111,9 +132,12 @@ class Startup {
   PixelError whole_image_uncertainty_;
   double residual_scale_ = 1.0;
   bool usable_ = false;
-  bool told_ = false;   // tellsLens() at the last keyframe that could be judged
-  int added_ = 0;       // keyframes
-  int next_retry_ = 0;  // count of keyframes at which other guesses are tried next
+  bool told_ = false;           // tellsLens() at the last keyframe that could be judged
+  bool ran_away_ = false;       // at the last keyframe that could be judged
+  int added_ = 0;               // keyframes
+  int next_retry_ = 0;          // count of keyframes at which other guesses are tried next
+  std::size_t next_guess_ = 0;  // of them
+  std::optional<Guess> best_guess_;
 };
 
 /// Standard deviations that say nothing but that it is a camera: the focal length may be anything
