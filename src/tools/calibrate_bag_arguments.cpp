@@ -1,6 +1,7 @@
 #include "camera_self_calibration/tools/calibrate_bag_arguments.h"
 
 #include <boost/program_options.hpp>
+#include <cmath>
 #include <stdexcept>
 
 #include "camera_self_calibration/camera/fit.h"
@@ -103,9 +104,10 @@ void setInitial(const std::string& file, bool model_given, Options* options) {
   if (!model_given) options->model = camera.model();
   if (camera.model() != options->model) {
     const std::optional<CameraFit> fit = fitCamera(camera, options->model);
-    if (!fit) {
+    if (!fit || !std::isfinite(fit->error.max)) {
       throw std::runtime_error("the start values of " + file + " cannot be converted to " +
-                               toString(options->model));
+                               toString(options->model) + " over the whole image. Leave out " +
+                               "--initial, or calibrate with --model " + toString(camera.model()));
     }
     camera = fit->camera;
   }

@@ -1,9 +1,13 @@
 #include "camera_self_calibration/ros/calibration_store.h"
 
+#include <camera_calibration_parsers/parse_yml.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
+#include <limits>
+#include <sstream>
 
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
@@ -110,6 +114,31 @@ TEST_F(CalibrationStoreTest, WhatDoesNotFitIsNamedAndNeverWrittenOver) {
   }
 }
 
+// A good file of the right camera, of which a single value is of no use to this program.
+TEST_F(CalibrationStoreTest, WhatIsRefusedAsAStartIsNeverWrittenOver) {
+  sensor_msgs::CameraInfo unknown = info();
+  unknown.distortion_model = "brown_conrady";
+  sensor_msgs::CameraInfo no_number = info();
+  no_number.K[0] = std::numeric_limits<double>::quiet_NaN();
+  sensor_msgs::CameraInfo negative = info();
+  negative.K[0] = -300.0;
+  sensor_msgs::CameraInfo bent = info();
+  bent.D[0] = std::numeric_limits<double>::quiet_NaN();
+  sensor_msgs::CameraInfo uncalibrated = uncalibratedCameraInfo(640, 480);
+  for (const auto& given : {unknown, no_number, negative, bent, uncalibrated}) {
+    std::ostringstream text;
+    ASSERT_TRUE(camera_calibration_parsers::writeCalibrationYml(text, "eye", given));
+    ASSERT_EQ(writeFileAtomically(options_.calibration_file, text.str()), "");
+    CalibrationStore store(options_);
+    const auto loaded = store.load(CameraModel::kFov, 640, 480);
+    EXPECT_FALSE(loaded.camera);
+    ASSERT_EQ(loaded.problems.size(), 1u);
+    EXPECT_NE(loaded.problems[0].find("left untouched"), std::string::npos) << loaded.problems[0];
+    EXPECT_FALSE(store.save(smallState(kFov, 1), info()).success);
+    EXPECT_EQ(readFile(options_.calibration_file).bytes, text.str());
+  }
+}
+
 TEST_F(CalibrationStoreTest, WhatWasLearntOfAnotherLensIsKept) {
   CalibrationStore store(options_);
   ASSERT_TRUE(store.save(smallState(kFov, 0), info()).success);
@@ -149,6 +178,14 @@ TEST(CameraStart, IsExactWhereTheModelsAgree) {
   EXPECT_EQ(wider->camera.parameters().head<4>(), pinhole.parameters());
   EXPECT_FALSE(startFrom(sensor_msgs::CameraInfo(), CameraModel::kFov));
   EXPECT_FALSE(startFrom(uncalibratedCameraInfo(640, 480), CameraModel::kFov));
+}
+
+// fov sees nothing at 90 degrees from the axis or beyond, as the corners of this fisheye do.
+TEST(CameraStart, ReachesTheWholeImageOrIsNone) {
+  const Camera fisheye = camera640(CameraModel::kEquidistant, {200, 200, 320, 240, 0, 0, 0, 0});
+  const auto fit = fitCamera(fisheye, CameraModel::kPinhole);
+  ASSERT_FALSE(fit && std::isfinite(fit->error.max)) << "else this tests nothing";
+  EXPECT_FALSE(startFrom(toCameraInfo(fisheye)->info, CameraModel::kPinhole));
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace camera_self_calibration {
 
 /// The camera of `model` that a CameraInfo describes, exactly if the message's own model is that
 /// one or a special case of it, else fitted. Nothing where the message is uncalibrated, of an
-/// unknown distortion model, or cannot be fitted.
+/// unknown distortion model, or cannot be fitted over the whole image.
 std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info, CameraModel model);
 
 }  // namespace camera_self_calibration
