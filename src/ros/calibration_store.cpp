@@ -111,10 +111,7 @@ CalibrationStore::KnownCalibration CalibrationStore::readCalibration(CameraModel
                    sizeText(width, height));
   }
   const std::optional<CameraFit> start = startFrom(named->info, model);
-  if (!start) {
-    return refused("its distortion '" + named->info.distortion_model +
-                   "' or its values do not apply to the model " + toString(model));
-  }
+  if (!start) return refused(whyNoStart(named->info, model));
   return {start, ""};
 }
 

@@ -12,6 +12,19 @@ namespace {
 
 const char* const kNoImage = "no image has come yet: there is nothing to work on";
 
+std::string sizeText(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+/// Empty, or why there is a file that is not to be lost.
+std::string whyNotReplaced(const std::string& report_file) {
+  const FileContents present = readFile(report_file);
+  if (!present.exists || (present.error.empty() && isReportYaml(present.bytes))) return "";
+  return report_file +
+         " exists and is no report of this node. It is left untouched: move it away, or set "
+         "~report_file to another file.";
+}
+
 template <typename Response>
 void answer(bool success, const std::string& message, Response* response) {
   response->success = success;
@@ -155,8 +168,10 @@ bool ControlServices::dumpReport(Trigger::Request&, Trigger::Response& response)
     answer(false, kNoImage, &response);
     return true;
   }
-  const std::string error =
-      writeFileAtomically(options_.report_file, toYaml(now->report, now->dropped_images));
+  std::string error = whyNotReplaced(options_.report_file);
+  if (error.empty()) {
+    error = writeFileAtomically(options_.report_file, toYaml(now->report, now->dropped_images));
+  }
   answer(error.empty(), error.empty() ? "report written to " + options_.report_file : error,
          &response);
   return true;
@@ -183,31 +198,27 @@ bool ControlServices::freeze(std_srvs::SetBool::Request& request,
 bool ControlServices::setCameraInfo(sensor_msgs::SetCameraInfo::Request& request,
                                     sensor_msgs::SetCameraInfo::Response& response) {
   const sensor_msgs::CameraInfo& info = request.camera_info;
-  const std::optional<CameraFit> start = startFrom(info, options_.pipeline.model);
-  response.success = false;
-  if (!start) {
-    response.status_message = "the message is uncalibrated, or its distortion model '" +
-                              info.distortion_model + "' cannot be used as " +
-                              toString(options_.pipeline.model);
-    return true;
-  }
-  std::string size_problem;
+  std::string problem;
   const bool running = targets_.with_calibrator([&](SelfCalibrator& calibrator) {
     const Camera now = calibrator.calibration().camera;
-    if (now.width() > 0 &&
-        (now.width() != start->camera.width() || now.height() != start->camera.height())) {
-      size_problem = "it is for images of " + std::to_string(start->camera.width()) + " x " +
-                     std::to_string(start->camera.height()) + ", these are " +
-                     std::to_string(now.width()) + " x " + std::to_string(now.height());
-      return;
+    const auto width = static_cast<int>(info.width);
+    const auto height = static_cast<int>(info.height);
+    const std::optional<CameraFit> start = startFrom(info, options_.pipeline.model);
+    if (now.width() > 0 && width > 0 && (now.width() != width || now.height() != height)) {
+      problem = "it is for images of " + sizeText(width, height) + ", these are " +
+                sizeText(now.width(), now.height());
+    } else if (!start) {
+      problem = whyNoStart(info, options_.pipeline.model);
+    } else {
+      calibrator.reset(start->camera);
     }
-    calibrator.reset(start->camera);
   });
-  response.success = running && size_problem.empty();
-  response.status_message = !running ? kNoImage : size_problem;
-  if (!response.success) return true;
-  targets_.store->beginAnew();
-  response.status_message = "learning begins anew from this calibration with the next image";
+  if (!running) problem = kNoImage;
+  response.success = problem.empty();
+  response.status_message = response.success
+                                ? "learning begins anew from this calibration with the next image"
+                                : "The calibration is not used: " + problem + ".";
+  if (response.success) targets_.store->beginAnew();
   return true;
 }
 

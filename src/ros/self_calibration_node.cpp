@@ -57,6 +57,7 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   for (const std::string& problem : namingProblems(node_, private_node_)) {
     problems.push_back(problem);
   }
+  for (const std::string& problem : sameFileProblems(options_, name)) problems.push_back(problem);
   const MaskReading mask = readMask(options_.mask_url);
   if (!mask.error.empty()) problems.push_back(mask.error);
   options_.pipeline.tracker.mask = mask.mask;

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <sstream>
 
@@ -186,6 +187,26 @@ TEST(CameraStart, ReachesTheWholeImageOrIsNone) {
   const auto fit = fitCamera(fisheye, CameraModel::kPinhole);
   ASSERT_FALSE(fit && std::isfinite(fit->error.max)) << "else this tests nothing";
   EXPECT_FALSE(startFrom(toCameraInfo(fisheye)->info, CameraModel::kPinhole));
+  EXPECT_NE(whyNoStart(toCameraInfo(fisheye)->info, CameraModel::kPinhole).find("whole image"),
+            std::string::npos);
+}
+
+TEST(CameraStart, EveryRefusalHasItsReason) {
+  const sensor_msgs::CameraInfo good = toCameraInfo(kFov)->info;
+  const auto why = [&good](const std::function<void(sensor_msgs::CameraInfo*)>& spoil) {
+    sensor_msgs::CameraInfo info = good;
+    spoil(&info);
+    EXPECT_FALSE(startFrom(info, CameraModel::kFov));
+    return whyNoStart(info, CameraModel::kFov);
+  };
+  using Info = sensor_msgs::CameraInfo;
+  EXPECT_NE(why([](Info* i) { i->width = 0; }).find("size"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->K.assign(0.0); }).find("uncalibrated"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->K[0] = -300.0; }).find("positive"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->D[1] = std::nan(""); }).find("numbers"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->distortion_model = "fov"; }).find("'fov'"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->D.resize(3); }).find("has 4 coefficients, but it holds 3"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <thread>
 
@@ -231,6 +232,13 @@ TEST_F(KeepRun, DumpsAReport) {
   EXPECT_EQ(report["covariance"].size(), 25u);
   EXPECT_GE(report["queue"]["segments"].size(), 2u);
   EXPECT_LT(report["pixel_uncertainty_rms_px"].as<double>(), 1.0);
+  expectSays(trigger("/selfcal/dump_report"), true, "report_left_eye.yaml");
+  // What is no report is not replaced by one.
+  const std::string foreign = "camera_name: left_eye\n";
+  ASSERT_EQ(writeFileAtomically(rosHome() + "/report_left_eye.yaml", foreign), "");
+  expectSays(trigger("/selfcal/dump_report"), false, "left untouched");
+  EXPECT_EQ(readFile(rosHome() + "/report_left_eye.yaml").bytes, foreign);
+  std::filesystem::remove(rosHome() + "/report_left_eye.yaml");
 }
 
 TEST_F(KeepRun, TheNextStartIsConvergedAtOnceAndConfirmed) {
@@ -278,6 +286,10 @@ TEST_F(KeepRun, BeginsAnewOnRequest) {
   sensor_msgs::CameraInfo info = *robot_->camera_info.messages.back();
   info.width = 640;
   expectSays(setCameraInfo(info), false, "640 x 240");
+  info.distortion_model = "brown_conrady";
+  info.width = 320;
+  expectSays(setCameraInfo(info), false, "'brown_conrady'");
+  info.distortion_model = robot_->camera_info.messages.back()->distortion_model;
   info.width = 320;
   expectSays(setCameraInfo(info), true, "learning begins");
   const std::size_t reports = robot_->calibration.messages.size();
