@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <system_error>
+#include <utility>
 
 #include "camera_self_calibration/ros/calibration_url.h"
 #include "camera_self_calibration/ros/driver_commit.h"
@@ -51,7 +52,7 @@ ControlOptions controlOptions(const NodeOptions& options, const std::string& cam
 CalibrationKeeper::CalibrationKeeper(const ros::NodeHandle& private_node,
                                      const NodeOptions& options, const std::string& name,
                                      const std::string& image_topic, CalibrationSession* session,
-                                     const CameraInfoPolicy* camera_info)
+                                     const CameraInfoPolicy* camera_info, Saved saved)
     : node_(private_node), model_(options.pipeline.model) {
   const std::string camera_name = cameraName(options, name);
   store_ = std::make_unique<CalibrationStore>(storeOptions(options, camera_name));
@@ -71,6 +72,7 @@ CalibrationKeeper::CalibrationKeeper(const ros::NodeHandle& private_node,
   };
   targets.store = store_.get();
   targets.fallback_store = fallback_store_.get();
+  targets.saved = std::move(saved);
   services_ = std::make_unique<ControlServices>(
       node_, controlOptions(options, camera_name, image_topic), targets);
 }

@@ -83,7 +83,7 @@ std::string ControlServices::whyNotConverged(const std::optional<Present>& now,
 
 void ControlServices::autosave(bool at_once) {
   const double interval = autosave_interval_s_;
-  if (interval <= 0.0) return;
+  if (interval <= 0.0 || !targets_.store->hasFile()) return;
   if (!at_once && ros::WallTime::now() - last_save_ < ros::WallDuration(interval)) return;
   const std::optional<Present> now = present();
   const sensor_msgs::CameraInfo info = targets_.published_info();
@@ -92,13 +92,20 @@ void ControlServices::autosave(bool at_once) {
   const CalibrationReport& report = now->report;
   if (report.uncertainty.rms > options_.pipeline.convergedRms(report.camera.width())) return;
   last_save_ = ros::WallTime::now();
-  const CalibrationStore::Outcome outcome = targets_.store->save(*now->state, info);
+  const CalibrationStore::Outcome outcome = saveTo(targets_.store, *now, info);
   // What cannot be saved is tried again with the next estimate, and said once.
   saved_ = now->state;
-  if (!outcome.success && outcome.message != last_problem_ && targets_.store->hasFile()) {
+  if (!outcome.success && outcome.message != last_problem_) {
     ROS_WARN_STREAM(node_.getNamespace() << ": " << outcome.message);
   }
   last_problem_ = outcome.success ? "" : outcome.message;
+}
+
+CalibrationStore::Outcome ControlServices::saveTo(CalibrationStore* store, const Present& now,
+                                                  const sensor_msgs::CameraInfo& info) {
+  const CalibrationStore::Outcome outcome = store->save(*now.state, info);
+  if (targets_.saved) targets_.saved(outcome);
+  return outcome;
 }
 
 bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
@@ -143,7 +150,7 @@ bool ControlServices::save(Trigger::Request&, Trigger::Response& response) {
   CalibrationStore* store = targets_.store->hasFile() || targets_.fallback_store == nullptr
                                 ? targets_.store
                                 : targets_.fallback_store;
-  const CalibrationStore::Outcome outcome = store->save(*now->state, info);
+  const CalibrationStore::Outcome outcome = saveTo(store, *now, info);
   if (outcome.success) saved_ = now->state;
   answer(outcome.success, outcome.message, &response);
   return true;

@@ -55,11 +55,30 @@ void Diagnostics::setStorageProblems(const std::vector<std::string>& problems) {
 void Diagnostics::storage(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (addProblems(&status)) return;
-  if (storage_problems_.empty()) {
-    status.summary(DiagnosticStatus::OK, "Nothing is wrong with the saved files.");
+  if (saving_) {
+    status.summary(saving_->success ? DiagnosticStatus::OK : DiagnosticStatus::ERROR,
+                   asSentence(saving_->message));
+  } else if (keeps_) {
+    status.summary(DiagnosticStatus::OK,
+                   "Nothing has been saved yet: that begins when the calibration is CONVERGED.");
   } else {
-    status.summary(DiagnosticStatus::WARN, storage_problems_);
+    status.summary(DiagnosticStatus::OK,
+                   "Nothing is kept: the next start learns anew. Set ~camera_info_url or "
+                   "~state_file to keep what is learnt.");
   }
+  if (!storage_problems_.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN, asSentence(storage_problems_));
+  }
+}
+
+void Diagnostics::setKeeps(bool keeps) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  keeps_ = keeps;
+}
+
+void Diagnostics::update(const CalibrationStore::Outcome& saving) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  saving_ = saving;
 }
 
 void Diagnostics::setTopic(const std::string& topic) {

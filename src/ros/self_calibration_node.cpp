@@ -78,8 +78,10 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   visualizer_ = std::make_unique<Visualizer>(private_node_, options_);
   session_ = std::make_unique<CalibrationSession>(options_.pipeline, callbacks());
   if (factory_) factory_->subscribe(node_);
-  keeper_ = std::make_unique<CalibrationKeeper>(private_node_, options_, name, input_->topic(),
-                                                session_.get(), camera_info_policy_.get());
+  keeper_ = std::make_unique<CalibrationKeeper>(
+      private_node_, options_, name, input_->topic(), session_.get(), camera_info_policy_.get(),
+      [this](const CalibrationStore::Outcome& outcome) { diagnostics_->update(outcome); });
+  diagnostics_->setKeeps(keeper_->keeps());
   live_parameters_ = std::make_unique<LiveParameters>(
       private_node_, [this](const SelfCalibrationConfig& config) { change(config); });
   input_->subscribe();

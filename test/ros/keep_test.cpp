@@ -3,13 +3,11 @@
 
 #include <camera_info_manager/camera_info_manager.h>
 #include <camera_self_calibration/SetScale.h>
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
 #include <sensor_msgs/SetCameraInfo.h>
 #include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 #include <yaml-cpp/yaml.h>
 
 #include <atomic>
@@ -24,6 +22,7 @@
 #include "camera_self_calibration/ros/calibration_url.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "ros/robot.h"
+#include "ros/service_calls.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -36,17 +35,6 @@ constexpr int kImages = 600;
 std::string rosHome() { return std::getenv("ROS_HOME"); }
 std::string statePath() { return rosHome() + "/states/left_eye.state"; }
 std::string calibrationPath() { return rosHome() + "/calibrations/left_eye.yaml"; }
-
-struct Answer {
-  bool success = false;
-  std::string message;
-};
-
-Answer trigger(const std::string& service) {
-  std_srvs::Trigger call;
-  if (!ros::service::call(service, call)) return {false, "the call failed"};
-  return {static_cast<bool>(call.response.success), call.response.message};
-}
 
 Answer freeze(bool data) {
   std_srvs::SetBool call;
@@ -67,11 +55,6 @@ Answer setCameraInfo(const sensor_msgs::CameraInfo& info) {
   call.request.camera_info = info;
   if (!ros::service::call("/selfcal/set_camera_info", call)) return {false, "the call failed"};
   return {static_cast<bool>(call.response.success), call.response.status_message};
-}
-
-void expectSays(const Answer& answer, bool success, const std::string& word) {
-  EXPECT_EQ(answer.success, success) << answer.message;
-  EXPECT_NE(answer.message.find(word), std::string::npos) << answer.message;
 }
 
 /// A camera driver with the service set_camera_info, on a thread of its own.
@@ -302,42 +285,6 @@ TEST_F(KeepRun, BeginsAnewOnRequest) {
       [&] { return robot_->calibration.messages.back()->values[0] == 160.0; }, 5));
   EXPECT_FALSE(robot_->calibration.messages.back()->handed_over);
   ASSERT_TRUE(unloadNodelet("/selfcal"));
-}
-
-// Files that are damaged, or not of this program.
-TEST(Keep, SpoiltFilesAreRefusedInWordsAndLeftUntouched) {
-  const std::string state = "not a state at all\n";
-  const std::string calibration = "camera_name: [\n";
-  ASSERT_EQ(writeFileAtomically(rosHome() + "/spoilt.state", state), "");
-  ASSERT_EQ(writeFileAtomically(rosHome() + "/spoilt.yaml", calibration), "");
-  Recorder<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
-  ASSERT_TRUE(loadNodelet("/spoilt", kTopic));
-  Robot robot(kLens, 1, 4000.0, "/spoilt");
-  ASSERT_TRUE(robot.connected());
-  ASSERT_TRUE(robot.stepUntil([&] { return robot.converged(); }, kImages));
-  ASSERT_TRUE(robot.step());
-  const auto said = [&](const std::string& word) {
-    return spinUntil(
-        [&] {
-          for (const auto& array : diagnostics.messages) {
-            for (const auto& status : array->status) {
-              if (status.name.find("spoilt") != std::string::npos &&
-                  status.message.find(word) != std::string::npos) {
-                return true;
-              }
-            }
-          }
-          return false;
-        },
-        10.0);
-  };
-  EXPECT_TRUE(said("spoilt.state is not used"));
-  EXPECT_TRUE(said("spoilt.yaml is not used"));
-  expectSays(trigger("/spoilt/save"), false, "left untouched");
-  EXPECT_EQ(readFile(rosHome() + "/spoilt.state").bytes, state);
-  EXPECT_EQ(readFile(rosHome() + "/spoilt.yaml").bytes, calibration);
-  ASSERT_TRUE(unloadNodelet("/spoilt"));
-  EXPECT_EQ(readFile(rosHome() + "/spoilt.state").bytes, state) << "saved at the end";
 }
 
 }  // namespace

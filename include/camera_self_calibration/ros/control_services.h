@@ -30,6 +30,8 @@ struct ControlTargets {
   CalibrationStore* store = nullptr;
   /// Where ~save puts the calibration if the store has no file at all; may be null.
   CalibrationStore* fallback_store = nullptr;
+  /// Hears how each saving ended, by itself or by ~save; may be empty.
+  std::function<void(const CalibrationStore::Outcome&)> saved;
 };
 
 struct ControlOptions {
@@ -77,6 +79,8 @@ class ControlServices {
   std::string whyNotConverged(const std::optional<Present>& now,
                               const sensor_msgs::CameraInfo& info) const;
   void autosave(bool at_once);
+  CalibrationStore::Outcome saveTo(CalibrationStore* store, const Present& now,
+                                   const sensor_msgs::CameraInfo& info);
 
   ros::NodeHandle node_;
   const ControlOptions options_;

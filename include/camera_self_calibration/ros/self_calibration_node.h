@@ -19,8 +19,8 @@
 #include "camera_self_calibration/ros/node_options.h"
 #include "camera_self_calibration/ros/result_publisher.h"
 #include "camera_self_calibration/ros/size_memory.h"
-#include "camera_self_calibration/ros/visualizer.h"
 #include "camera_self_calibration/ros/start_camera.h"
+#include "camera_self_calibration/ros/visualizer.h"
 
 namespace camera_self_calibration {
 
