@@ -149,7 +149,6 @@ void writeCalibrations(const fs::path& folder, const std::string& topic,
 
 std::string summaryJson(const Recording& recording, const std::vector<json::Member>& extra) {
   const CalibrationReport& report = recording.final_report;
-  const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
   const auto count = [](auto n) { return json::number(static_cast<std::int64_t>(n)); };
   std::vector<json::Member> members = {
       {"state", json::string(toString(report.state))},
@@ -160,14 +159,19 @@ std::string summaryJson(const Recording& recording, const std::vector<json::Memb
                                           {"max", json::number(report.uncertainty.max)}})},
       {"frames", count(recording.frames)},
       {"keyframes", count(recording.keyframes)},
-      {"processing_seconds", json::number(recording.processing_seconds)},
-      {"frames_per_second", json::number(rate)},
       {"queue", json::object({{"segments", count(report.queue.segments.size())},
                               {"swaps", count(report.queue.swaps)}})},
       {"models", modelsJson(report.models)},
       {"events", eventsJson(recording.events)}};
   members.insert(members.end(), extra.begin(), extra.end());
   return json::object(members) + "\n";
+}
+
+std::string timingJson(const Recording& recording) {
+  const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
+  return json::object({{"processing_seconds", json::number(recording.processing_seconds)},
+                       {"frames_per_second", json::number(rate)}}) +
+         "\n";
 }
 
 void writeRecording(const std::string& folder, const std::string& topic, const Recording& recording,
@@ -185,6 +189,7 @@ void writeRecording(const std::string& folder, const std::string& topic, const R
   writeCalibrations(path, topic, recording.final_report);
   writeFile(path / "summary.json",
             [&](std::ostream& file) { file << summaryJson(recording, extra); });
+  writeFile(path / "timing.json", [&](std::ostream& file) { file << timingJson(recording); });
 }
 
 }  // namespace camera_self_calibration
