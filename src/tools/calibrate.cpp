@@ -41,6 +41,12 @@ void addPose(const FrameResult& result, std::vector<TimedPose>* poses) {
   poses->push_back(pose);
 }
 
+std::optional<GrayImage> nextImage(ImageSource* source, const CalibrateExtras& extras,
+                                   Recording* recording) {
+  recording->complete = !(extras.stop && extras.stop());
+  return recording->complete ? source->next() : std::nullopt;
+}
+
 Callbacks recordInto(Recording* recording) {
   Callbacks callbacks;
   callbacks.frame = [recording](const FrameResult& result) {
@@ -107,7 +113,7 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   if (extras.reference) held = heldRun(options, *extras.reference, &recording);
   Progress progress(source->count);
   InputMonitor monitor;
-  while (const std::optional<GrayImage> image = source->next()) {
+  while (const std::optional<GrayImage> image = nextImage(source, extras, &recording)) {
     progress.advance();
     const InputVerdict verdict = monitor.check(*image);
     if (verdict != InputVerdict::kUse) warn(monitor.counts());
@@ -126,7 +132,7 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   recording.processing_seconds = progress.elapsedSeconds();
   recording.final_report = calibrator.calibration();
   recording.learnt = calibrator.state();
-  if (extras.batch) recording.batch = batch.finish();
+  if (extras.batch && recording.complete) recording.batch = batch.finish();
   if (recording.frames > 0) progress.show(recording.final_report, true);
   progress.finish();
   return recording;

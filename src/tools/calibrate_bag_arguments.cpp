@@ -19,7 +19,8 @@ constexpr const char* kUsage =
     "\n"
     "  calibrate_bag BAG|FOLDER|VIDEO [--model fov] [--out DIR] [options]\n"
     "\n"
-    "Exit code: 0 converged, 2 ran but did not converge, 1 error, 3 no images.\n";
+    "Exit code: 0 converged, 2 ran but did not converge, 1 error, 3 no images,\n"
+    "4 interrupted (Ctrl-C, SIGTERM): what is known so far is written and marked as partial.\n";
 
 po::options_description description(CalibrateBagArguments* arguments) {
   Options& options = arguments->options;

@@ -109,23 +109,10 @@ CameraFit writeCalibration(const std::string& path, const Camera& camera, Calibr
   }
   std::string text = calibrationText(fit.camera, format, labels);
   if (!isExact(fit, camera)) text = noted(text, fitNote(camera, fit));
+  if (!labels.comment.empty()) text = noted(text, labels.comment);
   checkReadBack(text, format, fit.camera);
   replaceFile(path, text);
   return fit;
-}
-
-void writeRosCalibration(const std::string& path, const std::string& camera_name,
-                         const Camera& camera) {
-  CalibrationLabels labels;
-  labels.camera_name = camera_name;
-  writeCalibration(path, camera, CalibrationFormat::kRos, labels);
-}
-
-void writeKalibrCalibration(const std::string& path, const std::string& topic,
-                            const Camera& camera) {
-  CalibrationLabels labels;
-  labels.topic = topic;
-  writeCalibration(path, camera, CalibrationFormat::kKalibr, labels);
 }
 
 }  // namespace camera_self_calibration

@@ -80,6 +80,7 @@ void writePose(const TimedPose& pose, std::ostream& file) {
 /// TUM format, world_from_camera. The poses of different maps do not belong together, which a
 /// comment line tells.
 void writeTrajectory(const Recording& recording, bool keyframes_only, std::ostream& file) {
+  if (!recording.complete) file << "# " << kPartial << '\n';
   file << "# t[s] tx ty tz [map units: the scale is arbitrary] qx qy qz qw\n";
   bool any = false;
   std::uint64_t map_id = 0;
@@ -133,7 +134,8 @@ void writeCsvRow(const CalibrationReport& report, CameraModel model, std::ostrea
 }
 
 void writeCalibrations(const fs::path& folder, const std::string& topic,
-                       const CalibrationReport& report) {
+                       const Recording& recording) {
+  const CalibrationReport& report = recording.final_report;
   const fs::path ros_file = folder / "calibration.yaml";
   const fs::path kalibr_file = folder / "camchain.yaml";
   // An estimate that is not good enough must not be taken for a calibration, nor an older file for
@@ -141,8 +143,11 @@ void writeCalibrations(const fs::path& folder, const std::string& topic,
   fs::remove(ros_file);
   fs::remove(kalibr_file);
   if (report.state != CalibrationState::kConverged) return;
-  writeRosCalibration(ros_file.string(), "camera", report.camera);
-  writeKalibrCalibration(kalibr_file.string(), topic, report.camera);
+  CalibrationLabels labels;
+  labels.topic = topic;
+  if (!recording.complete) labels.comment = kPartial;
+  writeCalibration(ros_file.string(), report.camera, CalibrationFormat::kRos, labels);
+  writeCalibration(kalibr_file.string(), report.camera, CalibrationFormat::kKalibr, labels);
 }
 
 }  // namespace
@@ -152,6 +157,7 @@ std::string summaryJson(const Recording& recording, const std::vector<json::Memb
   const auto count = [](auto n) { return json::number(static_cast<std::int64_t>(n)); };
   std::vector<json::Member> members = {
       {"state", json::string(toString(report.state))},
+      {"complete", recording.complete ? "true" : "false"},
       {"sentence", json::string(report.sentence)},
       {"hint", json::string(report.hint)},
       {"camera", cameraJson(report)},
@@ -186,7 +192,7 @@ void writeRecording(const std::string& folder, const std::string& topic, const R
     for (const CalibrationReport& report : recording.reports)
       writeCsvRow(report, recording.final_report.camera.model(), file);
   });
-  writeCalibrations(path, topic, recording.final_report);
+  writeCalibrations(path, topic, recording);
   writeFile(path / "summary.json",
             [&](std::ostream& file) { file << summaryJson(recording, extra); });
   writeFile(path / "timing.json", [&](std::ostream& file) { file << timingJson(recording); });

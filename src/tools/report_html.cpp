@@ -74,6 +74,7 @@ void addHead(const std::string& source_name, const Recording& recording, HtmlPag
   const CalibrationReport& report = recording.final_report;
   page->verdict(toString(report.state), cssColour(stateColour(report.state)),
                 verdictSentence(recording));
+  if (!recording.complete) page->paragraph(kPartial);
   page->paragraph("Source: " + source_name + ". Camera model: " + modelText(report.camera) + ".");
   page->figures({{number(report.uncertainty.rms, 3) + " px", "expected error, rms"},
                  {number(report.uncertainty.max, 3) + " px", "expected error, worst place"},

@@ -27,6 +27,7 @@ void writeParameters(const CalibrationReport& report, std::ostream& text) {
 std::string reportText(const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
   std::ostringstream text;
+  if (!recording.complete) text << kPartial << '\n';
   text << toString(report.state) << ": " << report.sentence << '\n';
   if (!report.hint.empty()) text << report.hint << '\n';
   text << toString(report.camera.model()) << ", " << report.camera.width() << "x"

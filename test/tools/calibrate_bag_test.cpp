@@ -14,6 +14,7 @@
 
 #include "camera_self_calibration/simulation/sequence_writer.h"
 #include "camera_self_calibration/simulation/tum_file.h"
+#include "tools/child_program.h"
 #include "tools/small_sequence.h"
 #include "tools/temporary_folder.h"
 
@@ -265,6 +266,26 @@ TEST(CalibrateBag, AStillCameraDoesNotConverge) {
       << "an older file must not pass for the result";
   EXPECT_TRUE(summary["batch"].IsNull());
   EXPECT_NE(contents(folder / "out/report.html").find("WAITING_FOR_MOTION"), std::string::npos);
+}
+
+TEST(CalibrateBag, InterruptedItWritesWhatIsKnownAndSaysSo) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const TemporaryFolder folder;
+    ChildProgram program(
+        {CALIBRATE_BAG, converged().folder / "room.bag", "--report", "--out", folder / "out"});
+    ASSERT_TRUE(program.says("frame ")) << program.text();
+    program.send(signal);
+    EXPECT_TRUE(program.says("partial")) << program.text();
+    EXPECT_EQ(program.wait(), 4);
+    const YAML::Node summary = YAML::LoadFile(folder / "out/summary.json");
+    EXPECT_FALSE(summary["complete"].as<bool>());
+    EXPECT_GT(summary["frames"].as<int>(), 0);
+    EXPECT_LT(summary["frames"].as<int>(), 301);
+    EXPECT_EQ(contents(folder / "out/trajectory.tum").rfind("# PARTIAL", 0), 0u);
+    EXPECT_NE(contents(folder / "out/report.html").find("PARTIAL"), std::string::npos);
+  }
+  EXPECT_TRUE(YAML::LoadFile(converged().out("summary.json"))["complete"].as<bool>());
+  EXPECT_EQ(contents(converged().out("report.html")).find("PARTIAL"), std::string::npos);
 }
 
 TEST(CalibrateBag, NoImagesIsACodeOfItsOwn) {

@@ -48,6 +48,7 @@ struct CalibrationLabels {
   std::string camera_name = "camera";
   std::string topic = "/camera/image_raw";  ///< kKalibr.
   double rate_hz = 30.0;                    ///< kOrbSlam3.
+  std::string comment;                      ///< Of writeCalibration(); one line, or empty.
 };
 
 /// The text of a file with this one camera, which must be storable() as it is. Numbers are written

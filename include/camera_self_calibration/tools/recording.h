@@ -19,8 +19,12 @@ struct TimedPose : StampedCameraPose {
   bool is_keyframe = false;
 };
 
+/// Stands in every result of a run that was stopped.
+constexpr const char* kPartial = "PARTIAL: the run was interrupted before the last image.";
+
 /// What a run over stored images leaves behind.
 struct Recording {
+  bool complete = true;                    ///< False: stopped before the last image.
   std::int64_t frames = 0;                 ///< Images processed.
   std::int64_t keyframes = 0;              ///< Among them.
   double processing_seconds = 0.0;         ///< Wall time of the run, reading included [s].
@@ -44,8 +48,9 @@ std::string summaryJson(const Recording& recording,
 std::string timingJson(const Recording& recording);
 
 /// Writes the files of calibrate_bag into an existing folder: summary.json (with the `extra`
-/// members), timing.json, trajectory.tum, keyframes.tum, convergence.csv, and, if CONVERGED, calibration.yaml and camchain.yaml (those of
-/// an earlier run are removed if not). Throws std::runtime_error if a file cannot be written.
+/// members), timing.json, trajectory.tum, keyframes.tum, convergence.csv, and, if CONVERGED,
+/// calibration.yaml and camchain.yaml (those of an earlier run are removed if not). Those of a run
+/// that is not complete say so. Throws std::runtime_error if a file cannot be written.
 void writeRecording(const std::string& folder, const std::string& topic, const Recording& recording,
                     const std::vector<std::pair<std::string, std::string>>& extra = {});
 
