@@ -36,6 +36,7 @@ void write(const CalibrateBagArguments& arguments, const std::string& name,
 
 int run(const CalibrateBagArguments& arguments) {
   ImageSource source = openImages(arguments.source);
+  if (!source.description.empty()) std::cout << source.description << std::endl;
   // Before the work rather than after it: a folder that cannot be made.
   if (!arguments.out.empty()) std::filesystem::create_directories(arguments.out);
   CalibrateExtras extras = arguments.extras;

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
 #include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/videoio.hpp>
 #include <stdexcept>
 #include <vector>
+
+#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/ros/stamps.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -41,8 +46,38 @@ std::vector<fs::path> sortedImages(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_regular_file() && isImageFile(entry.path())) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  // img2 before img10, as people count.
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return ::strverscmp(a.filename().c_str(), b.filename().c_str()) < 0;
+  });
   return files;
+}
+
+std::string orderText(const std::vector<fs::path>& files, double rate) {
+  if (files.empty()) return {};
+  constexpr std::size_t kNamed = 3;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kNamed, files.size()); ++i) {
+    names += (i > 0 ? ", " : "") + files[i].filename().string();
+  }
+  if (files.size() > kNamed) names += ", ..., " + files.back().filename().string();
+  return std::to_string(files.size()) + " images in the order " + names +
+         formatted(", taken as %g Hz.", rate);
+}
+
+std::vector<std::uint8_t> bytesOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+GrayImage imageIn(const fs::path& file, std::int64_t stamp_ns, GrayConverter* converter) {
+  sensor_msgs::CompressedImage message;
+  message.header.stamp = toRosTime(stamp_ns);
+  message.format = file.extension().string();
+  message.data = bytesOf(file);
+  GrayImage image = converter->convert(message);
+  if (!image.view) image.error = file.string() + ": " + image.error;
+  return image;
 }
 
 /// The indices of the images of `total` that lie between start and start + duration.
@@ -77,13 +112,12 @@ ImageSource openFolder(const SourceOptions& options) {
   ImageSource source;
   source.name = options.path;
   source.count = range.end - range.begin;
-  source.next = [files, rate, range, index = range.begin]() mutable -> std::optional<GrayImage> {
+  source.description = orderText(*files, rate);
+  source.next = [files, rate, range, index = range.begin,
+                 converter = GrayConverter()]() mutable -> std::optional<GrayImage> {
     if (index >= range.end) return std::nullopt;
     const fs::path& file = (*files)[static_cast<std::size_t>(index)];
-    cv::Mat gray = cv::imread(file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-    const std::int64_t stamp_ns = stampOf(index++, rate);
-    if (gray.empty()) return GrayImage{std::nullopt, file.string() + " is no readable image"};
-    return imageOf(std::move(gray), stamp_ns);
+    return imageIn(file, stampOf(index++, rate), &converter);
   };
   return source;
 }

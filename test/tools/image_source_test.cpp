@@ -85,6 +85,38 @@ TEST(ImageSource, FolderIsReadInTheOrderOfNames) {
   EXPECT_NEAR(seen.seconds[2] - seen.seconds[0], 0.2, 1e-9);
 }
 
+TEST(ImageSource, NumbersInNamesAreCountedNotSpelt) {
+  const TemporaryFolder folder;
+  for (const int i : {1, 2, 9, 10, 11, 100}) {
+    cv::imwrite(folder / ("img" + std::to_string(i) + ".png"), picture(i));
+  }
+  EXPECT_EQ(readAll(at(folder.string())).brightness, (std::vector<int>{1, 2, 9, 10, 11, 100}));
+  const std::string said = openImages(at(folder.string())).description;
+  EXPECT_NE(said.find("6 images in the order img1.png, img2.png, img9.png, ..., img100.png"),
+            std::string::npos)
+      << said;
+}
+
+TEST(ImageSource, APictureThatIsCutOffIsNamedAndLeftOut) {
+  const TemporaryFolder folder;
+  cv::Mat noise(kHeight, kWidth, CV_8UC1);
+  cv::randu(noise, 0, 255);
+  for (const std::string name : {"1.jpg", "2.png", "3.jpg"}) {
+    cv::imwrite(folder / name, noise);
+    if (name != "3.jpg") {
+      std::filesystem::resize_file(folder / name,
+                                   std::filesystem::file_size(folder / name) * 6 / 10);
+    }
+  }
+  const Seen seen = readAll(at(folder.string()));
+  EXPECT_EQ(seen.errors, 2);
+  EXPECT_EQ(seen.brightness.size(), 1u);
+  const ImageSource source = openImages(at(folder.string()));
+  const auto first = source.next();
+  ASSERT_TRUE(first && !first->view);
+  EXPECT_NE(first->error.find("1.jpg: "), std::string::npos) << first->error;
+}
+
 TEST(ImageSource, StartAndDurationCountFromTheFirstImage) {
   const TemporaryFolder folder;
   for (int i = 0; i < 10; ++i) cv::imwrite(folder / (std::to_string(i) + ".png"), picture(i));

@@ -23,10 +23,12 @@ struct ImageSource {
   std::function<std::optional<GrayImage>()> next;  ///< Nothing at the end.
   std::int64_t count = 0;                          ///< Images to come; for progress.
   std::string name;                                ///< Topic, folder or file.
+  std::string description;                         ///< What is read and how, for people.
 };
 
-/// Opens a folder (a directory), a bag (*.bag) or else a video. Throws std::runtime_error that says
-/// what is wrong and what to do: missing or malformed file, no such topic, several topics.
+/// Opens a folder (a directory; its images in the natural order of their names, img2 before img10),
+/// a bag (*.bag) or else a video. Throws std::runtime_error that says what is wrong and what to do:
+/// missing or malformed file, no such topic, several topics.
 ImageSource openImages(const SourceOptions& options);
 
 /// The three kinds of openImages.
