@@ -29,7 +29,7 @@ po::options_description description(CalibrateBagArguments* arguments) {
   // clang-format off
   all.add_options()
     ("help,h", "this text")
-    ("input", po::value(&source.path), "bag (*.bag), folder of images or video file")
+    ("input", po::value(&source.path), "bag, folder of images or video file")
     ("topic", po::value(&source.topic), "image topic of the bag; needed if it has several")
     ("model", po::value<std::string>(),
      "pinhole | fov | radtan (plumb_bob) | equidistant | auto (chosen by evidence, starting with that "

@@ -103,6 +103,15 @@ std::int64_t stampOf(std::int64_t index, double rate) {
   return kFirstStampNs + std::llround(static_cast<double>(index) * 1e9 / rate);
 }
 
+/// A bag by another name would pass for a video of the JPEG pictures in it.
+bool beginsAsBag(const fs::path& path) {
+  const std::string expected = "#ROSBAG V";
+  std::string begin(expected.size(), '\0');
+  std::ifstream(path, std::ios::binary)
+      .read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == expected;
+}
+
 }  // namespace
 
 ImageSource openFolder(const SourceOptions& options) {
@@ -128,7 +137,7 @@ ImageSource openVideo(const SourceOptions& options) {
   const auto video = std::make_shared<cv::VideoCapture>(options.path);
   if (!video->isOpened()) {
     throw std::runtime_error(options.path +
-                             " is neither a bag (*.bag), nor a folder of images, nor a video that "
+                             " is neither a bag, nor a folder of images, nor a video that "
                              "this OpenCV can read");
   }
   const double own_rate = video->get(cv::CAP_PROP_FPS);
@@ -165,7 +174,7 @@ ImageSource openImages(const SourceOptions& options) {
   const fs::path path(options.path);
   if (!fs::exists(path)) throw std::runtime_error("there is no file or folder " + options.path);
   if (fs::is_directory(path)) return openFolder(options);
-  if (path.extension() == ".bag") return openBag(options);
+  if (path.extension() == ".bag" || beginsAsBag(path)) return openBag(options);
   return openVideo(options);
 }
 

@@ -149,6 +149,21 @@ TEST(ImageSource, BagFindsItsOnlyImageTopic) {
   EXPECT_EQ(seen.seconds, (std::vector<double>{1.5, 3.0}));
 }
 
+TEST(ImageSource, ABagByAnotherNameIsABag) {
+  const TemporaryFolder folder;
+  sensor_msgs::CompressedImage jpeg;
+  cv::imencode(".jpg", picture(40), jpeg.data);
+  jpeg.header.stamp = ros::Time(1.5);
+  {
+    rosbag::Bag bag(folder / "a.bag", rosbag::bagmode::Write);
+    bag.write("image/compressed", ros::Time(2.0), jpeg);
+  }
+  for (const std::string name : {"recording", "recording.avi"}) {
+    std::filesystem::copy_file(folder / "a.bag", folder / name);
+    EXPECT_EQ(readAll(at(folder / name)).seconds, std::vector<double>{1.5}) << name;
+  }
+}
+
 TEST(ImageSource, BagOfSeveralTopicsAsksWhich) {
   const TemporaryFolder folder;
   rosbag::Bag bag(folder / "a.bag", rosbag::bagmode::Write);

@@ -27,8 +27,8 @@ struct ImageSource {
 };
 
 /// Opens a folder (a directory; its images in the natural order of their names, img2 before img10),
-/// a bag (*.bag) or else a video. Throws std::runtime_error that says what is wrong and what to do:
-/// missing or malformed file, no such topic, several topics.
+/// a bag (*.bag, or by its first bytes) or else a video. Throws std::runtime_error that says what
+/// is wrong and what to do: missing or malformed file, no such topic, several topics.
 ImageSource openImages(const SourceOptions& options);
 
 /// The three kinds of openImages.
