@@ -3,10 +3,14 @@
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>
 #include <std_msgs/String.h>
+#include <sys/resource.h>
 
+#include <cstring>
 #include <fstream>
 #include <opencv2/videoio.hpp>
+#include <sstream>
 
+#include "sanitized.h"
 #include "tools/small_sequence.h"
 #include "tools/temporary_folder.h"
 
@@ -228,6 +232,42 @@ TEST(ImageSource, ATruncatedBagIsAnErrorNotACrash) {
     std::filesystem::resize_file(folder / "cut.bag",
                                  static_cast<std::uintmax_t>(share * static_cast<double>(size)));
     EXPECT_NE(failureOf(at(folder / "cut.bag")).find("rosbag reindex"), std::string::npos) << share;
+  }
+}
+
+/// Lowers the limit of this process on memory, which its children inherit.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_AS, &before_);
+    const rlimit lowered = {bytes, before_.rlim_max};
+    setrlimit(RLIMIT_AS, &lowered);
+  }
+  ~MemoryLimit() { setrlimit(RLIMIT_AS, &before_); }
+
+ private:
+  rlimit before_ = {};
+};
+
+// librosbag writes to a null pointer where there is not as much memory as a length claims.
+TEST(ImageSource, ADamagedLengthInABagDoesNotEndTheProgram) {
+  if (kSanitized) GTEST_SKIP() << "sanitizers need all addresses";
+  const TemporaryFolder folder;
+  {
+    rosbag::Bag bag(folder / "whole.bag", rosbag::bagmode::Write);
+    bag.write("image", ros::Time(1.0), rawMessage(1.0, 1));
+  }
+  std::stringstream whole;
+  whole << std::ifstream(folder / "whole.bag", std::ios::binary).rdbuf();
+  // Before the first field of the record CHUNK_INFO stands its length, before that the header's.
+  const std::size_t header_length = whole.str().rfind("chunk_pos=") - 8;
+  const MemoryLimit limit(rlim_t{2} << 30);
+  for (const std::uint32_t length : {0xFFFFFFF0u, 0x7FFFFFF0u}) {
+    std::string bytes = whole.str();
+    std::memcpy(&bytes[header_length], &length, sizeof(length));
+    std::ofstream(folder / "bad.bag", std::ios::binary) << bytes;
+    const std::string failure = failureOf(at(folder / "bad.bag"));
+    EXPECT_NE(failure.find("rosbag reindex"), std::string::npos) << failure;
   }
 }
 
