@@ -113,6 +113,7 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   if (extras.reference) held = heldRun(options, *extras.reference, &recording);
   Progress progress(source->count);
   InputMonitor monitor;
+  monitor.takeZeroAsTime();
   while (const std::optional<GrayImage> image = nextImage(source, extras, &recording)) {
     progress.advance();
     const InputVerdict verdict = monitor.check(*image);

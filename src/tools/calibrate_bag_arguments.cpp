@@ -38,7 +38,7 @@ po::options_description description(CalibrateBagArguments* arguments) {
      "folder for the results; made if it is missing. Without it only a table is printed")
     ("initial", po::value<std::string>(),
      "start values: a ROS calibration (YAML) or a YAML with model, width, height, params")
-    ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video [Hz]")
+    ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video (default: its own times) [Hz]")
     ("start", po::value(&source.start_seconds), "skip this much of the beginning [s]")
     ("duration", po::value(&source.duration_seconds), "stop after this much [s]")
     ("report", po::bool_switch(&arguments->report),

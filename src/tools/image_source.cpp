@@ -7,9 +7,6 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <stdexcept>
 #include <vector>
 
@@ -22,15 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDefaultRateHz = 30.0;
-// Stamps of images that carry none begin here, since 0 means "no time" in ROS.
-constexpr std::int64_t kFirstStampNs = 1000000000;
-
-GrayImage imageOf(cv::Mat gray, std::int64_t stamp_ns) {
-  const auto owner = std::make_shared<const cv::Mat>(std::move(gray));
-  return {ImageView{owner, owner->data, owner->cols, owner->rows, static_cast<int>(owner->step[0]),
-                    stamp_ns},
-          {}};
-}
 
 bool isImageFile(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -62,7 +50,7 @@ std::string orderText(const std::vector<fs::path>& files, double rate) {
   }
   if (files.size() > kNamed) names += ", ..., " + files.back().filename().string();
   return std::to_string(files.size()) + " images in the order " + names +
-         formatted(", taken as %g Hz.", rate);
+         formatted(", taken as %g Hz, from 0 s on.", rate);
 }
 
 std::vector<std::uint8_t> bytesOf(const fs::path& path) {
@@ -100,7 +88,7 @@ IndexRange indexRange(const SourceOptions& options, double rate, std::int64_t to
 }
 
 std::int64_t stampOf(std::int64_t index, double rate) {
-  return kFirstStampNs + std::llround(static_cast<double>(index) * 1e9 / rate);
+  return std::llround(static_cast<double>(index) * 1e9 / rate);
 }
 
 /// A bag by another name would pass for a video of the JPEG pictures in it.
@@ -127,45 +115,6 @@ ImageSource openFolder(const SourceOptions& options) {
     if (index >= range.end) return std::nullopt;
     const fs::path& file = (*files)[static_cast<std::size_t>(index)];
     return imageIn(file, stampOf(index++, rate), &converter);
-  };
-  return source;
-}
-
-ImageSource openVideo(const SourceOptions& options) {
-  // Every backend that cannot open a file would say so at length.
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  const auto video = std::make_shared<cv::VideoCapture>(options.path);
-  if (!video->isOpened()) {
-    throw std::runtime_error(options.path +
-                             " is neither a bag, nor a folder of images, nor a video that "
-                             "this OpenCV can read");
-  }
-  const double own_rate = video->get(cv::CAP_PROP_FPS);
-  const double rate = options.rate > 0.0 ? options.rate
-                      : own_rate > 0.0   ? own_rate
-                                         : kDefaultRateHz;
-  const double total = std::max(0.0, video->get(cv::CAP_PROP_FRAME_COUNT));
-  // The count of a video is only an estimate: it serves for progress, the end is found by reading.
-  const IndexRange range = indexRange(options, rate, static_cast<std::int64_t>(total));
-  ImageSource source;
-  source.name = options.path;
-  source.count = range.end - range.begin;
-  const bool to_the_end = !(options.duration_seconds > 0.0);
-  const std::int64_t begin = indexRange(options, rate, INT64_MAX).begin;
-  const std::int64_t end = indexRange(options, rate, INT64_MAX).end;
-  source.next = [video, rate, begin, end, to_the_end,
-                 index = std::int64_t{0}]() mutable -> std::optional<GrayImage> {
-    cv::Mat frame;
-    do {
-      if ((!to_the_end && index >= end) || !video->read(frame)) return std::nullopt;
-    } while (index++ < begin);
-    cv::Mat gray;
-    if (frame.channels() == 1) {
-      gray = frame.clone();
-    } else {
-      cv::cvtColor(frame, gray, cv::COLOR_BGR2GRAY);
-    }
-    return imageOf(std::move(gray), stampOf(index - 1, rate));
   };
   return source;
 }

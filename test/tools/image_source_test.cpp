@@ -11,6 +11,7 @@
 #include <sstream>
 
 #include "sanitized.h"
+#include "tools/movie_file.h"
 #include "tools/small_sequence.h"
 #include "tools/temporary_folder.h"
 
@@ -86,7 +87,8 @@ TEST(ImageSource, FolderIsReadInTheOrderOfNames) {
   EXPECT_EQ(seen.brightness, (std::vector<int>{10, 20, 30}));
   EXPECT_EQ(seen.errors, 1);
   ASSERT_EQ(seen.seconds.size(), 3u);
-  EXPECT_NEAR(seen.seconds[2] - seen.seconds[0], 0.2, 1e-9);
+  EXPECT_EQ(seen.seconds[0], 0.0);
+  EXPECT_NEAR(seen.seconds[2], 0.2, 1e-9);
 }
 
 TEST(ImageSource, NumbersInNamesAreCountedNotSpelt) {
@@ -208,6 +210,34 @@ TEST(ImageSource, VideoIsReadAsGray) {
   part.start_seconds = 0.1;
   part.duration_seconds = 0.15;
   EXPECT_EQ(readAll(part).brightness.size(), 3u);
+}
+
+TEST(ImageSource, AVideoKeepsItsOwnTimesAndTheSensorsOrientation) {
+  if (100 * CV_VERSION_MAJOR + CV_VERSION_MINOR < 406) GTEST_SKIP() << "this OpenCV is too old";
+  const TemporaryFolder folder;
+  MovieFile movie;
+  for (int i = 0; i < 6; ++i) movie.images.push_back(picture(40 * i));
+  movie.milliseconds = {33, 50, 33, 200, 33, 33};
+  movie.write(folder / "phone.mov");
+  const Seen seen = readAll(at(folder / "phone.mov"));  // It expects the size before any turn.
+  ASSERT_EQ(seen.seconds.size(), 6u);
+  const std::vector<double> expected = {0.0, 0.033, 0.083, 0.116, 0.316, 0.349};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(seen.seconds[i], expected[i], 1e-6) << i;
+    EXPECT_NEAR(seen.brightness[i], 40.0 * static_cast<double>(i), 3.0) << i;
+  }
+  const std::string said = openImages(at(folder / "phone.mov")).description;
+  EXPECT_NE(said.find("times that stand in the video"), std::string::npos) << said;
+  EXPECT_NE(said.find("asks to be shown turned"), std::string::npos) << said;
+
+  SourceOptions options = at(folder / "phone.mov");
+  options.start_seconds = 0.05;
+  options.duration_seconds = 0.1;
+  EXPECT_EQ(readAll(options).seconds.size(), 2u);
+  options = at(folder / "phone.mov");
+  options.rate = 10.0;
+  EXPECT_NEAR(readAll(options).seconds.back(), 0.5, 1e-9);
+  EXPECT_NE(openImages(options).description.find("10 Hz"), std::string::npos);
 }
 
 TEST(ImageSource, SaysWhatIsWrongWithAFile) {
