@@ -21,6 +21,11 @@ std::string formatted(const char* format, ...) {
   return text;
 }
 
+std::string withFullStop(const std::string& text) {
+  const bool ends = text.empty() || std::string(".!?").find(text.back()) != std::string::npos;
+  return ends ? text : text + ".";
+}
+
 std::string asSentence(const std::string& text) {
   std::string sentence = text;
   if (sentence.empty()) return sentence;
@@ -31,8 +36,7 @@ std::string asSentence(const std::string& text) {
                   isLower)) {
     sentence[0] = static_cast<char>(sentence[0] - 'a' + 'A');
   }
-  if (std::string(".!?").find(sentence.back()) == std::string::npos) sentence += '.';
-  return sentence;
+  return withFullStop(sentence);
 }
 
 }  // namespace camera_self_calibration

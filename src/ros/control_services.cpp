@@ -237,8 +237,9 @@ bool ControlServices::setScale(SetScale::Request& request, SetScale::Response& r
   if (!running) {
     message = kNoImage;
   } else if (!done) {
-    message = request.factor > 0.0 ? "the camera is not being tracked: there is no map to scale"
-                                   : "the factor must be a positive number";
+    message = SelfCalibrator::isScaleFactor(request.factor)
+                  ? "the camera is not being tracked: there is no map to scale"
+                  : "the factor must lie between 1e-6 and 1e6";
   }
   answer(done, message, &response);
   return true;

@@ -20,7 +20,7 @@ void addEvent(const std::optional<Event>& event,
               diagnostic_updater::DiagnosticStatusWrapper* status) {
   if (!event) return;
   const std::string stamp = formatted(" at %.3f s: ", 1e-9 * static_cast<double>(event->stamp_ns));
-  status->add("last event", toString(event->type) + stamp + event->sentence);
+  status->add("last event", toString(event->type) + stamp + asSentence(event->sentence));
 }
 
 }  // namespace
@@ -40,7 +40,8 @@ void Diagnostics::setProblems(const std::vector<std::string>& problems) {
   const std::lock_guard<std::mutex> lock(mutex_);
   problems_.clear();
   for (const std::string& problem : problems) {
-    problems_ += (problems_.empty() ? "" : "; ") + problem;
+    // Not a capital letter: they begin with the name of a parameter.
+    problems_ += (problems_.empty() ? "" : " ") + withFullStop(problem);
   }
 }
 
@@ -48,7 +49,7 @@ void Diagnostics::setStorageProblems(const std::vector<std::string>& problems) {
   const std::lock_guard<std::mutex> lock(mutex_);
   storage_problems_.clear();
   for (const std::string& problem : problems) {
-    storage_problems_ += (storage_problems_.empty() ? "" : "; ") + problem;
+    storage_problems_ += (storage_problems_.empty() ? "" : " ") + asSentence(problem);
   }
 }
 
@@ -67,7 +68,7 @@ void Diagnostics::storage(Status& status) {
                    "~state_file to keep what is learnt.");
   }
   if (!storage_problems_.empty()) {
-    status.mergeSummary(DiagnosticStatus::WARN, asSentence(storage_problems_));
+    status.mergeSummary(DiagnosticStatus::WARN, storage_problems_);
   }
 }
 
@@ -154,7 +155,7 @@ void Diagnostics::tracking(Status& status) {
   const bool tracking = frame_.state == TrackingState::kTracking;
   const std::string name = tracking ? "" : toString(frame_.state) + ": ";
   status.summary(tracking ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
-                 name + frame_.sentence + ".");
+                 name + asSentence(frame_.sentence));
   if (!frame_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, frame_problem_);
 }
 
@@ -162,8 +163,9 @@ void Diagnostics::calibration(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (addProblems(&status)) return;
   const bool converged = report_.state == CalibrationState::kConverged;
-  std::string sentence = report_.sentence.empty() ? "Nothing is known yet." : report_.sentence;
-  if (!report_.hint.empty()) sentence += " " + report_.hint;
+  std::string sentence =
+      report_.sentence.empty() ? "Nothing is known yet." : asSentence(report_.sentence);
+  if (!report_.hint.empty()) sentence += " " + asSentence(report_.hint);
   status.summary(converged ? DiagnosticStatus::OK : DiagnosticStatus::WARN, sentence);
   status.add("state", toString(report_.state));
   status.add("pixel uncertainty rms [px]", report_.uncertainty.rms);
@@ -203,8 +205,9 @@ void Diagnostics::queue(Status& status) {
   if (addProblems(&status)) return;
   const QueueReport& queue = report_.queue;
   const std::size_t segments = queue.segments.size();
-  const std::string last =
-      queue.last_decision.empty() ? "" : " The newest candidate: " + queue.last_decision + ".";
+  const std::string last = queue.last_decision.empty()
+                               ? ""
+                               : " The newest candidate: " + asSentence(queue.last_decision);
   if (segments == 0) {
     status.summary(DiagnosticStatus::OK,
                    "No stretch of video has told enough of the lens yet." + last);
@@ -265,7 +268,7 @@ void Diagnostics::summarizeTiming(Status* status) const {
                     "No images on " + topic_ + ": is the camera running, and is the name right?");
   } else if (input_.rejected > before.rejected || input_.jumps > before.jumps) {
     status->summary(heard ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
-                    "Input: " + input_.last_problem + ".");
+                    "Input: " + asSentence(input_.last_problem));
   } else if (drops > 0) {
     status->summaryf(DiagnosticStatus::WARN,
                      "Slower than the camera: %lld images were dropped since the last report. "

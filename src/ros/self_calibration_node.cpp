@@ -2,6 +2,7 @@
 
 #include <image_transport/camera_common.h>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/ros/mask_file.h"
 #include "camera_self_calibration/ros/stamps.h"
 
@@ -98,7 +99,7 @@ SelfCalibrationNode::~SelfCalibrationNode() {
 
 void SelfCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
   std::string text;
-  for (const std::string& problem : problems) text += "\n  - " + problem;
+  for (const std::string& problem : problems) text += "\n  - " + withFullStop(problem);
   ROS_ERROR_STREAM(private_node_.getNamespace()
                    << ": idle, since the parameters cannot be used:" << text);
   diagnostics_->setProblems(problems);

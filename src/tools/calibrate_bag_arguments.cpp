@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
 #include "command_line.h"
@@ -128,7 +129,7 @@ void checkOptions(const Options& options) {
   const std::vector<std::string> problems = options.problems();
   if (problems.empty()) return;
   std::string text = "the options cannot be used:";
-  for (const std::string& problem : problems) text += "\n  - " + problem;
+  for (const std::string& problem : problems) text += "\n  - " + withFullStop(problem);
   throw std::runtime_error(text);
 }
 

@@ -1,7 +1,9 @@
 #include "camera_self_calibration/tools/calibration_file.h"
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -19,10 +21,11 @@ std::string contents(const std::string& path) {
   if (std::filesystem::is_directory(path)) {
     throw std::runtime_error("the calibration file " + path + " is a folder");
   }
-  std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
+  std::ifstream file(path, std::ios::binary);
   if (!file) {
-    throw std::runtime_error("the calibration file " + path + " cannot be opened");
+    throw std::runtime_error("the calibration file " + path +
+                             " cannot be opened: " + std::strerror(errno));
   }
   file.read(&text[0], static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
@@ -77,8 +80,9 @@ void replaceFile(const std::string& path, const std::string& text) {
   file << text;
   file.close();
   if (file && std::rename(temporary.c_str(), path.c_str()) == 0) return;
+  const std::string why = std::strerror(errno);
   std::remove(temporary.c_str());
-  throw std::runtime_error("the calibration cannot be written to " + path);
+  throw std::runtime_error("the calibration cannot be written to " + path + ": " + why);
 }
 
 }  // namespace

@@ -52,7 +52,7 @@ double secondsOf(const Recording& recording) {
 std::string verdictSentence(const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
   if (report.state != CalibrationState::kConverged) {
-    return report.sentence + (report.hint.empty() ? "" : " - " + report.hint);
+    return asSentence(report.sentence) + " " + asSentence(report.hint);
   }
   const int digits = decimalsFor(report.uncertainty.rms);
   return "The " + toString(report.camera.model()) + " lens is known to " +

@@ -11,6 +11,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -193,7 +194,9 @@ TEST_F(KeepRun, FreezesAndScales) {
   const std::uint64_t revision = robot_->calibration.messages.back()->revision;
   const std::uint64_t map_id = robot_->status.messages.back()->map_id;
   expectSays(setScale(3.0), true, "map_id");
-  expectSays(setScale(-3.0), false, "positive");
+  for (const double wrong : {-3.0, 0.0, 1e-320, 1e300, HUGE_VAL, std::nan("")}) {
+    expectSays(setScale(wrong), false, "between");
+  }
   const std::size_t reports = robot_->calibration.messages.size();
   ASSERT_TRUE(
       robot_->stepUntil([&] { return robot_->calibration.messages.size() > reports + 4; }, 120));

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "camera_self_calibration/ros/calibration_keeper.h"
 
@@ -58,6 +59,16 @@ TEST(NodeOptions, StartValuesMustMatchTheModel) {
   options.initial_intrinsics.assign(9, 1.0);
   EXPECT_TRUE(options.problems().empty());
   options.initial_intrinsics.assign(5, 1.0);
+  EXPECT_TRUE(mentions(options.problems(), "initial_intrinsics"));
+}
+
+TEST(NodeOptions, StartValuesMustBeIntrinsics) {
+  NodeOptions options;
+  options.initial_intrinsics = {300.0, 300.0, 320.0, 240.0, 0.9};
+  EXPECT_TRUE(options.problems().empty());
+  options.initial_intrinsics[0] = -300.0;
+  EXPECT_TRUE(mentions(options.problems(), "initial_intrinsics"));
+  options.initial_intrinsics[0] = std::nan("");
   EXPECT_TRUE(mentions(options.problems(), "initial_intrinsics"));
 }
 

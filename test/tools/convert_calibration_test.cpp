@@ -84,15 +84,22 @@ TEST_F(Conversion, ErrorsSayWhatToDo) {
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_TRUE(mentions(nothing, "--help"));
   EXPECT_TRUE(mentions(convert(fov + " x.yaml --to matlab"), "orbslam3"));
-  EXPECT_TRUE(mentions(convert((folder / "none.yaml") + " x.yaml --to ros"), "opened"));
+  EXPECT_TRUE(mentions(convert((folder / "none.yaml") + " x.yaml --to ros"), "No such file"));
   EXPECT_TRUE(mentions(convert(folder.string() + " x.yaml --to ros"), "is a folder"));
   EXPECT_TRUE(mentions(convert(fov + " " + fov + " --to ros"), "same file"));
   EXPECT_EQ(contents(fov), kFov) << "the original is untouched";
   const Outcome unwritable = convert(fov + " " + (folder / "no/folder.yaml") + " --to ros");
   EXPECT_EQ(unwritable.exit_code, 1);
-  EXPECT_TRUE(mentions(unwritable, "cannot be written")) << unwritable.output;
+  EXPECT_TRUE(mentions(unwritable, "No such file")) << unwritable.output;
   writeText(folder / "bad.yaml", "just text");
   EXPECT_TRUE(mentions(convert((folder / "bad.yaml") + " x.yaml --to ros"), "none of the formats"));
+}
+
+TEST(Programs, HelpNeedsNoMaster) {
+  const Outcome help = run("ROS_MASTER_URI=http://localhost:1 timeout 30 " +
+                           std::string(SIMULATED_CAMERA) + " --help");
+  EXPECT_EQ(help.exit_code, 0) << help.output;
+  EXPECT_TRUE(mentions(help, "publish_clock"));
 }
 
 TEST_F(Conversion, ARefusedConversionLeavesTheOldFile) {
