@@ -47,6 +47,16 @@ std::optional<GrayImage> nextImage(ImageSource* source, const CalibrateExtras& e
   return recording->complete ? source->next() : std::nullopt;
 }
 
+/// A run calibrates one size: the image, or why it is left out. `width` of 0: it is the first.
+GrayImage ofSize(const GrayImage& image, int width, int height) {
+  if (!image.view || width == 0 || (image.view->width == width && image.view->height == height)) {
+    return image;
+  }
+  return {std::nullopt, "images of " + sizeText(image.view->width, image.view->height) +
+                            " are left out, since those before have " + sizeText(width, height) +
+                            "; to calibrate them, begin with them (--start)"};
+}
+
 Callbacks recordInto(Recording* recording) {
   Callbacks callbacks;
   callbacks.frame = [recording](const FrameResult& result) {
@@ -116,7 +126,7 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   monitor.takeZeroAsTime();
   while (const std::optional<GrayImage> image = nextImage(source, extras, &recording)) {
     progress.advance();
-    const InputVerdict verdict = monitor.check(*image);
+    const InputVerdict verdict = monitor.check(ofSize(*image, monitor.width(), monitor.height()));
     if (verdict != InputVerdict::kUse) warn(monitor.counts());
     if (verdict == InputVerdict::kReject) continue;
     if (recording.frames == 0) {

@@ -21,9 +21,11 @@ enum ExitCode { kConverged = 0, kNotConverged = 2, kNoImages = 3, kInterrupted =
 
 void write(const CalibrateBagArguments& arguments, const std::string& name,
            const Recording& recording, const TrajectoryResults& trajectory) {
-  writeRecording(arguments.out, name, recording,
-                 {{"batch", batchJson(recording.final_report, recording.batch)},
-                  {"trajectory", trajectoryJson(trajectory)}});
+  const std::vector<std::string> notes =
+      writeRecording(arguments.out, name, recording,
+                     {{"batch", batchJson(recording.final_report, recording.batch)},
+                      {"trajectory", trajectoryJson(trajectory)}});
+  for (const std::string& note : notes) std::cout << note << '\n';
   if (arguments.extras.batch) {
     writeBatchFigures(arguments.out, recording.reports, recording.batch, recording.reference);
   }

@@ -7,6 +7,7 @@
 #include <iomanip>
 #include <stdexcept>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/ros/messages.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/json.h"
@@ -133,8 +134,8 @@ void writeCsvRow(const CalibrationReport& report, CameraModel model, std::ostrea
        << '\n';
 }
 
-void writeCalibrations(const fs::path& folder, const std::string& topic,
-                       const Recording& recording) {
+std::vector<std::string> writeCalibrations(const fs::path& folder, const std::string& topic,
+                                           const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
   const fs::path ros_file = folder / "calibration.yaml";
   const fs::path kalibr_file = folder / "camchain.yaml";
@@ -142,12 +143,22 @@ void writeCalibrations(const fs::path& folder, const std::string& topic,
   // the result of this run.
   fs::remove(ros_file);
   fs::remove(kalibr_file);
-  if (report.state != CalibrationState::kConverged) return;
+  if (report.state != CalibrationState::kConverged) return {};
   CalibrationLabels labels;
   labels.topic = topic;
   if (!recording.complete) labels.comment = kPartial;
-  writeCalibration(ros_file.string(), report.camera, CalibrationFormat::kRos, labels);
-  writeCalibration(kalibr_file.string(), report.camera, CalibrationFormat::kKalibr, labels);
+  std::vector<std::string> notes;
+  for (const auto& [file, format] : {std::pair{ros_file, CalibrationFormat::kRos},
+                                     std::pair{kalibr_file, CalibrationFormat::kKalibr}}) {
+    const CameraFit fit = writeCalibration(file.string(), report.camera, format, labels);
+    if (fit.error.max == 0.0) continue;
+    notes.push_back(formatted(
+        "%s holds an approximation, since %s has no %s lens like this: %s, off "
+        "by %.2g px rms, %.2g px at most.",
+        file.filename().c_str(), toString(format).c_str(), toString(report.camera.model()).c_str(),
+        toString(fit.camera.model()).c_str(), fit.error.rms, fit.error.max));
+  }
+  return notes;
 }
 
 }  // namespace
@@ -180,8 +191,9 @@ std::string timingJson(const Recording& recording) {
          "\n";
 }
 
-void writeRecording(const std::string& folder, const std::string& topic, const Recording& recording,
-                    const std::vector<json::Member>& extra) {
+std::vector<std::string> writeRecording(const std::string& folder, const std::string& topic,
+                                        const Recording& recording,
+                                        const std::vector<json::Member>& extra) {
   const fs::path path(folder);
   writeFile(path / "trajectory.tum",
             [&](std::ostream& file) { writeTrajectory(recording, false, file); });
@@ -192,10 +204,11 @@ void writeRecording(const std::string& folder, const std::string& topic, const R
     for (const CalibrationReport& report : recording.reports)
       writeCsvRow(report, recording.final_report.camera.model(), file);
   });
-  writeCalibrations(path, topic, recording);
+  const std::vector<std::string> notes = writeCalibrations(path, topic, recording);
   writeFile(path / "summary.json",
             [&](std::ostream& file) { file << summaryJson(recording, extra); });
   writeFile(path / "timing.json", [&](std::ostream& file) { file << timingJson(recording); });
+  return notes;
 }
 
 }  // namespace camera_self_calibration

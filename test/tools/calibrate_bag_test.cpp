@@ -122,6 +122,26 @@ TEST(CalibrateBag, WritesCalibrationsForOthers) {
   EXPECT_EQ(cam0["distortion_model"].as<std::string>(), "fov");
 }
 
+TEST(CalibrateBag, AnApproximationIsSaidOnTheTerminal) {
+  EXPECT_TRUE(mentions(converged().outcome, "calibration.yaml holds an approximation"))
+      << converged().outcome.output;
+  EXPECT_FALSE(mentions(converged().outcome, "camchain.yaml holds")) << "Kalibr has fov";
+}
+
+TEST(CalibrateBag, AnotherSizeIsOneSentence) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 20; ++i) {
+    const cv::Mat picture(i < 10 ? 48 : 60, 64, CV_8UC1, cv::Scalar(i));
+    cv::imwrite(folder / (std::to_string(i) + ".png"), picture);
+  }
+  const Outcome outcome = calibrateBag(folder.string());
+  EXPECT_TRUE(mentions(outcome, "images of 64x60 are left out, since those before have 64x48"))
+      << outcome.output;
+  EXPECT_FALSE(mentions(outcome, "calibrated anew")) << outcome.output;
+  EXPECT_FALSE(mentions(outcome, "size changed")) << outcome.output;
+  EXPECT_TRUE(mentions(outcome, "10 images left out"));
+}
+
 TEST(CalibrateBag, TheSameInputGivesTheSameFiles) {
   const TemporaryFolder folder;
   const Outcome again = calibrateBag((converged().folder / "room.bag") +

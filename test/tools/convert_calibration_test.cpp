@@ -78,6 +78,17 @@ TEST_F(Conversion, TheFitIsNotedInTheFile) {
   EXPECT_EQ(contents(out).rfind("%YAML:1.0\n---\n", 0), 0u) << "OpenCV insists on it";
 }
 
+TEST_F(Conversion, ALostRectificationIsSaid) {
+  writeText(folder / "right.yaml",
+            "height: 480\nwidth: 640\ndistortion_model: plumb_bob\nD: [0, 0, 0, 0, 0]\n"
+            "K: [400, 0, 320, 0, 400, 240, 0, 0, 1]\nR: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+            "P: [400, 0, 320, -50, 0, 400, 240, 0, 0, 0, 1, 0]\n");
+  const Outcome outcome =
+      convert((folder / "right.yaml") + " " + (folder / "out.yaml") + " --to ros");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_TRUE(mentions(outcome, "rectification of IN")) << outcome.output;
+}
+
 TEST_F(Conversion, ErrorsSayWhatToDo) {
   EXPECT_EQ(convert("--help").exit_code, 0);
   const Outcome nothing = convert("");

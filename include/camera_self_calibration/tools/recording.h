@@ -49,9 +49,12 @@ std::string timingJson(const Recording& recording);
 
 /// Writes the files of calibrate_bag into an existing folder: summary.json (with the `extra`
 /// members), timing.json, trajectory.tum, keyframes.tum, convergence.csv, and, if CONVERGED,
-/// calibration.yaml and camchain.yaml (those of an earlier run are removed if not). Those of a run
-/// that is not complete say so. Throws std::runtime_error if a file cannot be written.
-void writeRecording(const std::string& folder, const std::string& topic, const Recording& recording,
-                    const std::vector<std::pair<std::string, std::string>>& extra = {});
+/// calibration.yaml and camchain.yaml (those of an earlier run are removed if not). Returns what is
+/// to be said of them, one sentence each: which one holds an approximation, and how good it is.
+/// Those of a run that is not complete say so. Throws std::runtime_error if a file cannot be
+/// written.
+std::vector<std::string> writeRecording(
+    const std::string& folder, const std::string& topic, const Recording& recording,
+    const std::vector<std::pair<std::string, std::string>>& extra = {});
 
 }  // namespace camera_self_calibration
