@@ -52,7 +52,7 @@ ControlOptions controlOptions(const NodeOptions& options, const std::string& cam
 CalibrationKeeper::CalibrationKeeper(const ros::NodeHandle& private_node,
                                      const NodeOptions& options, const std::string& name,
                                      const std::string& image_topic, CalibrationSession* session,
-                                     const CameraInfoPolicy* camera_info, Saved saved)
+                                     CameraInfoPolicy* camera_info, Saved saved)
     : node_(private_node), model_(options.pipeline.model) {
   const std::string camera_name = cameraName(options, name);
   store_ = std::make_unique<CalibrationStore>(storeOptions(options, camera_name));
@@ -70,6 +70,7 @@ CalibrationKeeper::CalibrationKeeper(const ros::NodeHandle& private_node,
     session->use([&camera](SelfCalibrator& c) { camera = c.calibration().camera; });
     return camera_info->infoFor(std_msgs::Header(), camera.width(), camera.height());
   };
+  targets.camera_info = camera_info;
   targets.store = store_.get();
   targets.fallback_store = fallback_store_.get();
   targets.saved = std::move(saved);

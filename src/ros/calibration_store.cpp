@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <sstream>
+#include <system_error>
 
 #include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
@@ -134,6 +136,31 @@ CalibrationStore::Outcome CalibrationStore::save(const LearntState& state,
   }
   if (failed.empty()) return {true, "saved to " + written};
   return {false, "not saved: " + failed + (written.empty() ? "" : "; saved to " + written)};
+}
+
+CalibrationStore::Outcome CalibrationStore::saveGiven(CameraModel model,
+                                                      const sensor_msgs::CameraInfo& info) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::string& path = options_.calibration_file;
+  if (path.empty()) {
+    return {false, "not saved: set ~camera_info_url to keep it for the next start"};
+  }
+  std::string error = saveCalibration(model, info);
+  if (error.empty()) error = putStateAside(model, info);
+  return {error.empty(), error.empty() ? "saved to " + path : "not saved: " + error};
+}
+
+std::string CalibrationStore::putStateAside(CameraModel model,
+                                            const sensor_msgs::CameraInfo& info) {
+  const std::string& path = options_.state_file;
+  const KnownState known =
+      readState(model, static_cast<int>(info.width), static_cast<int>(info.height));
+  if (!known.state) return "";  // what is refused is not preferred either
+  std::error_code error;
+  std::filesystem::rename(path, path + ".previous", error);
+  if (error) return "cannot rename " + path + ": " + error.message();
+  keep_previous_ = false;
+  return "";
 }
 
 void CalibrationStore::beginAnew() {

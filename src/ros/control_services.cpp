@@ -2,6 +2,7 @@
 
 #include <exception>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/driver_commit.h"
 #include "camera_self_calibration/ros/model_conversion.h"
@@ -114,7 +115,10 @@ bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
     const Camera now = calibrator.calibration().camera;
     if (now.width() > 0) calibrator.reset(unlearnt(now.width(), now.height()));
   });
-  if (done) targets_.store->beginAnew();
+  if (done) {
+    targets_.camera_info->forget();
+    targets_.store->beginAnew();
+  }
   answer(done,
          done ? "everything learnt is forgotten; learning begins with the next image. Saved files "
                 "stay until the calibration is CONVERGED again"
@@ -217,15 +221,21 @@ bool ControlServices::setCameraInfo(sensor_msgs::SetCameraInfo::Request& request
     } else if (!start) {
       problem = whyNoStart(info, options_.pipeline.model);
     } else {
+      targets_.camera_info->accept(start->camera, info);
       calibrator.reset(start->camera);
     }
   });
   if (!running) problem = kNoImage;
   response.success = problem.empty();
-  response.status_message = response.success
-                                ? "learning begins anew from this calibration with the next image"
-                                : "The calibration is not used: " + problem + ".";
-  if (response.success) targets_.store->beginAnew();
+  if (!response.success) {
+    response.status_message = "The calibration is not used: " + problem + ".";
+    return true;
+  }
+  targets_.store->beginAnew();
+  const CalibrationStore::Outcome saving = targets_.store->saveGiven(options_.pipeline.model, info);
+  if (targets_.saved && targets_.store->hasFile()) targets_.saved(saving);
+  response.status_message = "The calibration is valid at once, and learning begins anew from it. " +
+                            asSentence(saving.message);
   return true;
 }
 

@@ -192,6 +192,11 @@ void Diagnostics::addCameraInfo(Status* status) const {
     status->mergeSummary(DiagnosticStatus::OK,
                          "camera_info goes out, rescaled from the former image size.");
   }
+  if (info.given) {
+    status->mergeSummary(DiagnosticStatus::OK,
+                         "camera_info goes out as set_camera_info brought it, until the images "
+                         "have confirmed or replaced it.");
+  }
   if (info.error.max > CameraInfoPolicy::kConversionWarning) {
     status->mergeSummaryf(DiagnosticStatus::WARN,
                           "The published %s deviates from the estimated lens by up to %.2f px; "

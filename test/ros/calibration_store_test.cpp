@@ -155,6 +155,21 @@ TEST_F(CalibrationStoreTest, WhatWasLearntOfAnotherLensIsKept) {
   EXPECT_EQ(readFile(options_.state_file + ".previous").bytes, second);
 }
 
+TEST_F(CalibrationStoreTest, WhatIsGivenIsTheNextStart) {
+  CalibrationStore store(options_);
+  ASSERT_TRUE(store.save(smallState(kFov, 0), info()).success);
+  const Camera given = camera640(CameraModel::kEquidistant, {350, 351, 320, 240, 0, 0, 0, 0});
+  const auto outcome = store.saveGiven(CameraModel::kFov, toCameraInfo(given)->info);
+  EXPECT_TRUE(outcome.success) << outcome.message;
+  const auto loaded = load(options_);
+  EXPECT_FALSE(loaded.state) << "what was learnt before is not preferred";
+  EXPECT_TRUE(readFile(options_.state_file + ".previous").exists);
+  ASSERT_TRUE(loaded.camera);
+  EXPECT_LT(pixelDistance(given, *loaded.camera).rms, 1.0);
+  StoreOptions nowhere;
+  EXPECT_FALSE(CalibrationStore(nowhere).saveGiven(CameraModel::kFov, info()).success);
+}
+
 TEST_F(CalibrationStoreTest, SaysWhereItCannotWrite) {
   ASSERT_EQ(writeFileAtomically(folder_ / "file", "x"), "");
   options_.state_file = folder_ / "file" / "below.state";

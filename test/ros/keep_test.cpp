@@ -277,7 +277,12 @@ TEST_F(KeepRun, BeginsAnewOnRequest) {
   expectSays(setCameraInfo(info), false, "'brown_conrady'");
   info.distortion_model = robot_->camera_info.messages.back()->distortion_model;
   info.width = 320;
-  expectSays(setCameraInfo(info), true, "learning begins");
+  info.K[0] += 0.25;
+  expectSays(setCameraInfo(info), true, "valid at once");
+  ASSERT_TRUE(robot_->step());
+  EXPECT_EQ(robot_->camera_info.messages.back()->K, info.K);
+  EXPECT_NE(readFile(calibrationPath()).bytes.find(YAML::Dump(YAML::Node(info.K[0]))),
+            std::string::npos);
   const std::size_t reports = robot_->calibration.messages.size();
   ASSERT_TRUE(robot_->stepUntil([&] { return robot_->calibration.messages.size() > reports; }, 5));
   const Calibration start = *robot_->calibration.messages.back();
@@ -286,6 +291,8 @@ TEST_F(KeepRun, BeginsAnewOnRequest) {
   expectSays(trigger("/selfcal/reset"), true, "forgotten");
   ASSERT_TRUE(robot_->stepUntil(
       [&] { return robot_->calibration.messages.back()->values[0] == 160.0; }, 5));
+  ASSERT_TRUE(robot_->step());
+  EXPECT_EQ(robot_->camera_info.messages.back()->K[0], 0.0);
   EXPECT_FALSE(robot_->calibration.messages.back()->handed_over);
   ASSERT_TRUE(unloadNodelet("/selfcal"));
 }

@@ -25,7 +25,7 @@ class CalibrationKeeper {
   /// `saved` hears how each saving ended.
   CalibrationKeeper(const ros::NodeHandle& private_node, const NodeOptions& options,
                     const std::string& name, const std::string& image_topic,
-                    CalibrationSession* session, const CameraInfoPolicy* camera_info, Saved saved);
+                    CalibrationSession* session, CameraInfoPolicy* camera_info, Saved saved);
 
   /// Whether what is learnt is saved by itself, since a file for it is named.
   bool keeps() const { return store_->hasFile(); }

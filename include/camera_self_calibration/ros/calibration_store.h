@@ -51,6 +51,10 @@ class CalibrationStore {
   /// what the state file held goes to FILE.previous first.
   Outcome save(const LearntState& state, const sensor_msgs::CameraInfo& info);
 
+  /// Keeps a calibration that was given from outside in the calibration file, as it is. What the
+  /// state file held goes to FILE.previous, since the next start must not prefer it.
+  Outcome saveGiven(CameraModel model, const sensor_msgs::CameraInfo& info);
+
   /// What is learnt from now on does not rest on what was saved.
   void beginAnew();
 
@@ -68,6 +72,7 @@ class CalibrationStore {
   KnownState readState(CameraModel model, int width, int height) const;
   KnownCalibration readCalibration(CameraModel model, int width, int height) const;
   std::string saveState(const LearntState& state);
+  std::string putStateAside(CameraModel model, const sensor_msgs::CameraInfo& info);
   std::string saveCalibration(CameraModel model, const sensor_msgs::CameraInfo& info);
 
   const StoreOptions options_;

@@ -17,6 +17,7 @@
 
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/ros/calibration_store.h"
+#include "camera_self_calibration/ros/camera_info_policy.h"
 
 namespace camera_self_calibration {
 
@@ -27,6 +28,7 @@ struct ControlTargets {
   std::function<bool(const std::function<void(SelfCalibrator&)>&)> with_calibrator;
   /// The CameraInfo that goes out at present; K[0] is 0 if uncalibrated.
   std::function<sensor_msgs::CameraInfo()> published_info;
+  CameraInfoPolicy* camera_info = nullptr;
   CalibrationStore* store = nullptr;
   /// Where ~save puts the calibration if the store has no file at all; may be null.
   CalibrationStore* fallback_store = nullptr;
