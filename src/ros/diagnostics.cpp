@@ -16,11 +16,30 @@ bool isOfTracking(EventType type) {
   return type == EventType::kLost || type == EventType::kRelocalized || type == EventType::kInput;
 }
 
+/// For those who have not read the manual.
+std::string meaningOf(EventType type) {
+  switch (type) {
+    case EventType::kHandover:
+      return " (HANDOVER: the start is over, and from now on only what teaches something is kept.)";
+    case EventType::kConverged:
+      return " (CONVERGED: the calibration is good enough for use and goes out.)";
+    case EventType::kCalibrationChange:
+      return " (CALIBRATION_CHANGE: the lens was bumped, refocused or zoomed.)";
+    case EventType::kRelocalized:
+      return " (RELOCALIZED: a place of an earlier map was recognised.)";
+    case EventType::kLost:
+    case EventType::kInput:
+      return "";
+  }
+  return "";
+}
+
 void addEvent(const std::optional<Event>& event,
               diagnostic_updater::DiagnosticStatusWrapper* status) {
   if (!event) return;
   const std::string stamp = formatted(" at %.3f s: ", 1e-9 * static_cast<double>(event->stamp_ns));
-  status->add("last event", toString(event->type) + stamp + asSentence(event->sentence));
+  status->add("last event",
+              toString(event->type) + stamp + asSentence(event->sentence) + meaningOf(event->type));
 }
 
 }  // namespace
@@ -210,9 +229,12 @@ void Diagnostics::queue(Status& status) {
   if (addProblems(&status)) return;
   const QueueReport& queue = report_.queue;
   const std::size_t segments = queue.segments.size();
-  const std::string last = queue.last_decision.empty()
-                               ? ""
-                               : " The newest candidate: " + asSentence(queue.last_decision);
+  std::string last;
+  if (!queue.last_decision.empty()) {
+    last = " The newest stretch: " + asSentence(queue.last_decision);
+    const bool scored = queue.last_decision.find("entropy") != std::string::npos;
+    if (scored) last += " (The lower its entropy, the more a stretch tells of the lens.)";
+  }
   if (segments == 0) {
     status.summary(DiagnosticStatus::OK,
                    "No stretch of video has told enough of the lens yet." + last);
