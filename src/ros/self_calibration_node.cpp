@@ -107,6 +107,13 @@ void SelfCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
 }
 
 void SelfCalibrationNode::onImage(const InputImage& image) {
+  const std::string foreign = publisher_watch_.check(image.publisher);
+  if (!foreign.empty()) {
+    InputImage left_out = image;
+    left_out.gray = {std::nullopt, foreign};
+    check(left_out);
+    return;
+  }
   const std::string problem = camera_publisher_->publish(image);
   if (!problem.empty()) warnThrottled(problem);
   const InputVerdict verdict = check(image);
