@@ -130,7 +130,7 @@ StoredCalibration parsePlain(const std::string& text) {
   const std::optional<CameraModel> model = cameraModelFromString(name);
   if (!model) {
     throw std::runtime_error("the model '" + name +
-                             "' is not one of pinhole, fov, radtan, equidistant");
+                             "' is not one of pinhole, fov, radtan (or plumb_bob), equidistant");
   }
   return {{},
           makeCamera(*model, need(yaml, "width").as<int>(), need(yaml, "height").as<int>(),

@@ -157,6 +157,13 @@ TEST(CalibrateBag, TheSameInputGivesTheSameFiles) {
   EXPECT_EQ(files, 7u);
 }
 
+TEST(CalibrateBag, PlumbBobIsAModel) {
+  const Outcome outcome =
+      calibrateBag((converged().folder / "room.bag") + " --duration 0.15 --model plumb_bob");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_TRUE(mentions(outcome, "radtan, 320x240")) << outcome.output;
+}
+
 TEST(CalibrateBag, StartValuesAreUsedAndTheirSizeChecked) {
   const std::string bag = converged().folder / "room.bag";
   const TemporaryFolder folder;

@@ -101,5 +101,11 @@ TEST(CalibrationFormat, NumbersThatAreNoLensAreRefused) {
                    "too large"));
 }
 
+TEST(PlainFormat, PlumbBobIsRadtan) {
+  const std::string text =
+      "model: plumb_bob\nwidth: 640\nheight: 480\nparams: [400, 400, 320, 240, -0.2, 0, 0, 0]\n";
+  EXPECT_EQ(parseCalibration(text, CalibrationFormat::kPlain).camera.model(), CameraModel::kRadtan);
+}
+
 }  // namespace
 }  // namespace camera_self_calibration
