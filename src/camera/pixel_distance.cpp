@@ -159,19 +159,24 @@ PixelError pixelDistance(const Camera& a, const Camera& b, const ImageField& fie
 }
 
 PixelDifference pixelDifference(const Camera& a, const Camera& b, double max_radius_px) {
-  const std::vector<PixelRay> grid = pixelGrid(a, {}, max_radius_px);
-  const BestRotation best = bestRotation(grid, b);
+  const std::vector<PixelRay> area = areaGrid(a, max_radius_px);
+  const BestRotation best = bestRotation(area, b);
   PixelDifference difference;
   difference.error = best.error;
   difference.rotation_deg =
       best.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 / M_PI;
-  for (const PixelRay& point : grid) {
-    Eigen::Vector2d pixel;
-    if (b.project(best.rotation * point.ray, &pixel)) {
-      difference.points.push_back({point.pixel, pixel - point.pixel});
-    } else {
-      ++difference.refused;
+  const auto compare = [&](const std::vector<PixelRay>& grid, auto* points) {
+    for (const PixelRay& point : grid) {
+      Eigen::Vector2d pixel;
+      if (!b.project(best.rotation * point.ray, &pixel)) continue;
+      points->push_back({point.pixel, pixel - point.pixel});
     }
+    return static_cast<int>(grid.size() - points->size());
+  };
+  compare(area, &difference.samples);
+  difference.refused = compare(pixelGrid(a, {}, max_radius_px), &difference.points);
+  for (const PixelDifference::Point& point : difference.points) {
+    difference.error.max = std::max(difference.error.max, point.offset.norm());
   }
   return difference;
 }

@@ -27,4 +27,21 @@ std::vector<PixelRay> pixelGrid(
   return grid;
 }
 
+std::vector<PixelRay> areaGrid(const Camera& camera, double max_radius_px) {
+  constexpr int kColumns = 160;
+  constexpr int kRows = 120;
+  const Eigen::Vector2d centre = camera.parameters().segment<2>(2);
+  std::vector<PixelRay> grid;
+  for (int row = 0; row < kRows; ++row) {
+    for (int column = 0; column < kColumns; ++column) {
+      // The corner of the image lies half a pixel before the centre of its first one.
+      const Eigen::Vector2d pixel((column + 0.5) * camera.width() / kColumns - 0.5,
+                                  (row + 0.5) * camera.height() / kRows - 0.5);
+      if ((pixel - centre).norm() > max_radius_px) continue;
+      if (const auto ray = camera.unproject(pixel)) grid.push_back({pixel, *ray});
+    }
+  }
+  return grid;
+}
+
 }  // namespace camera_self_calibration

@@ -30,6 +30,11 @@ std::vector<PixelRay> pixelGrid(
     const std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>& unproject,
     const ImageField& field = {});
 
+/// The middles of 160 x 120 equal parts of the image that have a ray and lie at most
+/// `max_radius_px` from the principal point: means over them are means over all pixels, while the
+/// grid of ImageField gives its points on the image's border as much weight as all others.
+std::vector<PixelRay> areaGrid(const Camera& camera, double max_radius_px);
+
 /// Distance of a lens's projections from the pixels whose rays they are of, as they are: no
 /// rotation is removed. Infinite where it cannot project one of them. `Lens` has `bool
 /// project(const Eigen::Vector3d& ray, Eigen::Vector2d* pixel) const`.

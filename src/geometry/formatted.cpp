@@ -21,4 +21,22 @@ std::string formatted(const char* format, ...) {
   return text;
 }
 
+std::string withFullStop(const std::string& text) {
+  const bool ends = text.empty() || std::string(".!?").find(text.back()) != std::string::npos;
+  return ends ? text : text + ".";
+}
+
+std::string asSentence(const std::string& text) {
+  std::string sentence = text;
+  if (sentence.empty()) return sentence;
+  const auto isLower = [](char c) { return c >= 'a' && c <= 'z'; };
+  const std::size_t word = std::min(sentence.find_first_of(" ,:;."), sentence.size());
+  // camera_info and the like are names.
+  if (std::all_of(sentence.begin(), sentence.begin() + static_cast<std::ptrdiff_t>(word),
+                  isLower)) {
+    sentence[0] = static_cast<char>(sentence[0] - 'a' + 'A');
+  }
+  return withFullStop(sentence);
+}
+
 }  // namespace camera_self_calibration

@@ -96,6 +96,10 @@ FileContents readFile(const std::string& path) {
     return contents;
   }
   std::ifstream file(path, std::ios::binary);
+  if (!file) {
+    contents.error = failure("cannot read", path, errno);
+    return contents;
+  }
   contents.bytes.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
   if (!file) contents.error = path + " cannot be read";
   return contents;

@@ -65,7 +65,7 @@ BackEnd::QueueStanding BackEnd::queueStanding() const {
   }
   const std::size_t stretches = estimate_.candidates().size();
   if (stretches < 2 || !solution_.usable) {
-    queue.doubt = "the queue does not hold two separate stretches yet";
+    queue.doubt = "two separate stretches of video are not there yet";
   } else if (stretches < 3 && solution_.scatter.inflationFreedom() > 0) {
     queue.doubt = "the two separate stretches disagree: a third has to tell which is right";
   } else if (queue.contradicts_startup) {
@@ -95,8 +95,9 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
   if (!obstacle_.empty() || !startup_.usable()) return;
   if (!(queue.uncertainty.rms < threshold ||
         entropy(solution_.camera, solution_.covariance) < options_.handover_entropy)) {
-    obstacle_ = formatted("the queue is good to %.2f px rms, hand-over is below %.2f px",
-                          queue.uncertainty.rms, threshold);
+    obstacle_ = formatted(
+        "the stretches of video together are good to %.2f px rms, less than %.2f px is needed",
+        queue.uncertainty.rms, threshold);
     return;
   }
   handed_over_ = true;
@@ -104,7 +105,8 @@ void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events
   adoptSolution();
   events->push_back(
       {EventType::kHandover, stamp_ns, stamp_ns,
-       formatted("the queue's estimate took over, good to %.2f px rms (limit %.2f px)",
+       formatted("the calibration now rests on several stretches of video (the queue), good to "
+                 "%.2f px rms (limit %.2f px)",
                  report_.uncertainty.rms, threshold)});
 }
 

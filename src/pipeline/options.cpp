@@ -7,6 +7,12 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr double kLongestReadout = 0.1;  // [s]
+// Far beyond what is of use, and within what memory and system stand.
+constexpr int kMostKeyframes = 1000;
+constexpr int kMostSegments = 1000;
+constexpr int kMostPlaces = 100000;
+constexpr int kMostThreads = 256;
+constexpr int kMostQueuedImages = 1000;
 
 }  // namespace
 
@@ -31,19 +37,19 @@ bool setRollingShutter(const std::string& text, Options* options) {
 
 std::vector<std::string> Options::problems() const {
   std::vector<std::string> list = tracker.problems();
-  for (const std::string& problem : keyframe.problems()) list.push_back(problem);
-  const auto atLeast = [&list](const char* name, int value, int low) {
-    if (value >= low) return;
-    list.push_back(std::string(name) + " is " + std::to_string(value) + ", it must be at least " +
-                   std::to_string(low));
+  for (const std::string& problem : keyframe.problems()) list.push_back("keyframe_" + problem);
+  const auto within = [&list](const char* name, int value, int low, int high) {
+    if (value >= low && value <= high) return;
+    list.push_back(std::string(name) + " is " + std::to_string(value) + ", it must lie between " +
+                   std::to_string(low) + " and " + std::to_string(high));
   };
-  atLeast("sliding_window_keyframes", sliding_window_keyframes, 3);
-  atLeast("segment_keyframes", segment_keyframes, 5);
-  atLeast("queue_segments", queue_segments, 2);
-  atLeast("startup_keyframes", startup_keyframes, segment_keyframes);
-  atLeast("relocalization_keyframes", relocalization_keyframes, 0);
-  atLeast("solver_threads", solver_threads, 1);
-  atLeast("max_queued_images", max_queued_images, 1);
+  within("sliding_window_keyframes", sliding_window_keyframes, 3, kMostKeyframes);
+  within("segment_keyframes", segment_keyframes, 5, kMostKeyframes);
+  within("queue_segments", queue_segments, 2, kMostSegments);
+  within("startup_keyframes", startup_keyframes, segment_keyframes, kMostKeyframes);
+  within("relocalization_keyframes", relocalization_keyframes, 0, kMostPlaces);
+  within("solver_threads", solver_threads, 1, kMostThreads);
+  within("max_queued_images", max_queued_images, 1, kMostQueuedImages);
   if (!(alpha > 0.0 && alpha < 1.0)) {
     list.push_back("alpha is " + std::to_string(alpha) + ", it must lie between 0 and 1");
   }
@@ -56,7 +62,7 @@ std::vector<std::string> Options::problems() const {
                    ", it must lie between 0 (the lens is never said to have changed) and 60");
   }
   if (!(std::abs(readout_s) <= kLongestReadout)) {
-    list.push_back("readout_s is " + std::to_string(readout_s) +
+    list.push_back("rolling_shutter is " + std::to_string(readout_s) +
                    ", it must lie between -0.1 and 0.1 seconds for the whole image");
   }
   if (std::isnan(handover_entropy)) {
@@ -64,11 +70,11 @@ std::vector<std::string> Options::problems() const {
   }
   if (initial_camera && (!initial_camera->valid() || initial_camera->model() != model ||
                          initial_camera->width() <= 0 || initial_camera->height() <= 0)) {
-    list.push_back("initial_camera must be a valid camera of the model " + toString(model) +
-                   " with its image size");
+    list.push_back("the initial intrinsics are no valid ones of the model " + toString(model) +
+                   ", or lack their image size");
   }
   if (fix_intrinsics && !initial_camera) {
-    list.push_back("fix_intrinsics needs initial_camera, the intrinsics to hold");
+    list.push_back("fix_intrinsics needs initial intrinsics, those to hold");
   }
   return list;
 }

@@ -1,6 +1,5 @@
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 
-#include <cmath>
 #include <stdexcept>
 #include <utility>
 
@@ -67,10 +66,12 @@ bool SelfCalibrator::freeze(bool frozen) {
 }
 
 bool SelfCalibrator::setScale(double factor) {
-  if (!(factor > 0.0) || !std::isfinite(factor) || !impl_->tracking) return false;
+  if (!isScaleFactor(factor) || !impl_->tracking) return false;
   impl_->requests.scale(factor);
   return true;
 }
+
+bool SelfCalibrator::isScaleFactor(double factor) { return factor >= 1e-6 && factor <= 1e6; }
 
 void SelfCalibrator::flush() {
   if (impl_->mode == Mode::kInline) return;

@@ -1,10 +1,28 @@
 #include "camera_self_calibration/ros/calibration_keeper.h"
 
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
 #include "camera_self_calibration/ros/calibration_url.h"
 #include "camera_self_calibration/ros/driver_commit.h"
 
 namespace camera_self_calibration {
 namespace {
+
+std::string cameraName(const NodeOptions& options, const std::string& node_name) {
+  return options.camera_name.empty() ? toCameraName(node_name) : options.camera_name;
+}
+
+/// Whether two paths lead to one file, there or not, links followed.
+bool areOneFile(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::equivalent(a, b, error)) return true;
+  const fs::path full_a = fs::weakly_canonical(a, error);
+  const fs::path full_b = fs::weakly_canonical(b, error);
+  return !error && full_a == full_b;
+}
 
 StoreOptions storeOptions(const NodeOptions& options, const std::string& camera_name) {
   StoreOptions store;
@@ -34,10 +52,9 @@ ControlOptions controlOptions(const NodeOptions& options, const std::string& cam
 CalibrationKeeper::CalibrationKeeper(const ros::NodeHandle& private_node,
                                      const NodeOptions& options, const std::string& name,
                                      const std::string& image_topic, CalibrationSession* session,
-                                     const CameraInfoPolicy* camera_info)
+                                     CameraInfoPolicy* camera_info, Saved saved)
     : node_(private_node), model_(options.pipeline.model) {
-  const std::string camera_name =
-      options.camera_name.empty() ? toCameraName(name) : options.camera_name;
+  const std::string camera_name = cameraName(options, name);
   store_ = std::make_unique<CalibrationStore>(storeOptions(options, camera_name));
   StoreOptions fallback;
   fallback.camera_name = camera_name;
@@ -53,8 +70,10 @@ CalibrationKeeper::CalibrationKeeper(const ros::NodeHandle& private_node,
     session->use([&camera](SelfCalibrator& c) { camera = c.calibration().camera; });
     return camera_info->infoFor(std_msgs::Header(), camera.width(), camera.height());
   };
+  targets.camera_info = camera_info;
   targets.store = store_.get();
   targets.fallback_store = fallback_store_.get();
+  targets.saved = std::move(saved);
   services_ = std::make_unique<ControlServices>(
       node_, controlOptions(options, camera_name, image_topic), targets);
 }
@@ -93,6 +112,28 @@ std::vector<std::string> keepingProblems(const NodeOptions& options) {
   if (options.report_file.empty()) problems.push_back("report_file must not be empty");
   if (!(options.autosave_interval_s >= 0.0)) {
     problems.push_back("autosave_interval_s must not be negative; 0 turns it off");
+  }
+  return problems;
+}
+
+std::vector<std::string> sameFileProblems(const NodeOptions& options, const std::string& name) {
+  const std::string camera = cameraName(options, name);
+  const std::string state = resolvePath(options.state_file, camera).path;
+  const std::vector<std::pair<std::string, std::string>> files = {
+      {"camera_info_url", resolveCalibrationUrl(options.camera_info_url, camera).path},
+      {"state_file", state},
+      {"state_file with .previous", state.empty() ? "" : state + ".previous"},
+      {"report_file", resolvePath(options.report_file, camera).path},
+      {"mask_url", resolvePath(options.mask_url, camera).path}};
+  std::vector<std::string> problems;
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    for (std::size_t j = i + 1; j < files.size(); ++j) {
+      const auto& [a, path_a] = files[i];
+      const auto& [b, path_b] = files[j];
+      if (path_a.empty() || path_b.empty() || !areOneFile(path_a, path_b)) continue;
+      problems.push_back(a + " and " + b + " are the same file, " + path_b +
+                         "; each needs a file of its own");
+    }
   }
   return problems;
 }

@@ -4,7 +4,9 @@
 
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <sstream>
+#include <system_error>
 
 #include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
@@ -41,29 +43,23 @@ const char* const kLeftUntouched = "; it is left untouched: move it away or choo
 CalibrationStore::Loaded CalibrationStore::load(CameraModel model, int width, int height) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Loaded loaded;
+  loaded_model_ = model;
   const KnownState state = readState(model, width, height);
   if (state.state) {
     loaded.state = state.state;
     loaded.notes.push_back("what was learnt before is restored from " + options_.state_file);
   }
-  const KnownCalibration calibration = readCalibration(width, height);
-  std::string refusal = calibration.refusal;
-  if (calibration.info) {
-    const std::optional<CameraFit> fit = startFrom(*calibration.info, model);
-    if (fit) {
-      loaded.camera = fit->camera;
-      loaded.notes.push_back("the calibration in " + options_.calibration_file + " is the start" +
-                             (fit->error.max > 0.0
-                                  ? ", fitted to the model " + toString(model) + " within " +
-                                        formatted("%.3g px", fit->error.max)
-                                  : ""));
-    } else {
-      refusal = "the calibration file " + options_.calibration_file +
-                " is not used: its distortion '" + calibration.info->distortion_model +
-                "' or its values do not apply to the model " + toString(model);
-    }
+  const KnownCalibration calibration = readCalibration(model, width, height);
+  if (calibration.start) {
+    const CameraFit& fit = *calibration.start;
+    loaded.camera = fit.camera;
+    loaded.notes.push_back("the calibration in " + options_.calibration_file + " is the start" +
+                           (fit.error.max > 0.0
+                                ? ", fitted to the model " + toString(model) + " within " +
+                                      formatted("%.3g px", fit.error.max)
+                                : ""));
   }
-  for (const std::string& problem : {state.refusal, refusal}) {
+  for (const std::string& problem : {state.refusal, calibration.refusal}) {
     if (!problem.empty()) loaded.problems.push_back(problem);
   }
   return loaded;
@@ -92,7 +88,9 @@ CalibrationStore::KnownState CalibrationStore::readState(CameraModel model, int 
   return {decoded.state, ""};
 }
 
-CalibrationStore::KnownCalibration CalibrationStore::readCalibration(int width, int height) const {
+// All that is refused is refused here, so that load() and save() cannot be of two minds.
+CalibrationStore::KnownCalibration CalibrationStore::readCalibration(CameraModel model, int width,
+                                                                     int height) const {
   const std::string& path = options_.calibration_file;
   if (path.empty()) return {};
   const FileContents contents = readFile(path);
@@ -114,7 +112,9 @@ CalibrationStore::KnownCalibration CalibrationStore::readCalibration(int width, 
     return refused("it is for images of " + sizeText(file_width, file_height) + ", these are " +
                    sizeText(width, height));
   }
-  return {named->info, ""};
+  const std::optional<CameraFit> start = startFrom(named->info, model);
+  if (!start) return refused(whyNoStart(named->info, model));
+  return {start, ""};
 }
 
 CalibrationStore::Outcome CalibrationStore::save(const LearntState& state,
@@ -126,13 +126,41 @@ CalibrationStore::Outcome CalibrationStore::save(const LearntState& state,
     std::string& text = error.empty() ? written : failed;
     text += (text.empty() ? "" : "; ") + (error.empty() ? path : error);
   };
-  if (!options_.calibration_file.empty()) note(options_.calibration_file, saveCalibration(info));
+  if (!options_.calibration_file.empty()) {
+    note(options_.calibration_file,
+         saveCalibration(loaded_model_.value_or(state.camera.model()), info));
+  }
   if (!options_.state_file.empty()) note(options_.state_file, saveState(state));
   if (written.empty() && failed.empty()) {
     return {false, "no file is given: set ~camera_info_url or ~state_file"};
   }
   if (failed.empty()) return {true, "saved to " + written};
   return {false, "not saved: " + failed + (written.empty() ? "" : "; saved to " + written)};
+}
+
+CalibrationStore::Outcome CalibrationStore::saveGiven(CameraModel model,
+                                                      const sensor_msgs::CameraInfo& info) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::string& path = options_.calibration_file;
+  if (path.empty()) {
+    return {false, "not saved: set ~camera_info_url to keep it for the next start"};
+  }
+  std::string error = saveCalibration(model, info);
+  if (error.empty()) error = putStateAside(model, info);
+  return {error.empty(), error.empty() ? "saved to " + path : "not saved: " + error};
+}
+
+std::string CalibrationStore::putStateAside(CameraModel model,
+                                            const sensor_msgs::CameraInfo& info) {
+  const std::string& path = options_.state_file;
+  const KnownState known =
+      readState(model, static_cast<int>(info.width), static_cast<int>(info.height));
+  if (!known.state) return "";  // what is refused is not preferred either
+  std::error_code error;
+  std::filesystem::rename(path, path + ".previous", error);
+  if (error) return "cannot rename " + path + ": " + error.message();
+  keep_previous_ = false;
+  return "";
 }
 
 void CalibrationStore::beginAnew() {
@@ -156,10 +184,11 @@ std::string CalibrationStore::saveState(const LearntState& state) {
   return "";
 }
 
-std::string CalibrationStore::saveCalibration(const sensor_msgs::CameraInfo& info) {
+std::string CalibrationStore::saveCalibration(CameraModel model,
+                                              const sensor_msgs::CameraInfo& info) {
   const std::string& path = options_.calibration_file;
   const KnownCalibration known =
-      readCalibration(static_cast<int>(info.width), static_cast<int>(info.height));
+      readCalibration(model, static_cast<int>(info.width), static_cast<int>(info.height));
   if (!known.refusal.empty()) return known.refusal;
   std::ostringstream text;
   text.precision(17);

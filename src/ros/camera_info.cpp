@@ -95,7 +95,12 @@ std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info) {
   const bool equidistant = info.distortion_model == sensor_msgs::distortion_models::EQUIDISTANT;
   const std::size_t count = equidistant ? kEquidistantCount : kPlumbBobCount;
   std::vector<double> d = info.D;
-  if (rational && std::all_of(d.begin() + kPlumbBobCount, d.end(), isZero)) d.resize(count);
+  // Some drivers leave k3 out, others write zeros up to k6.
+  if (plumb_bob && d.size() == kPlumbBobCount - 1) d.push_back(0.0);
+  if (!equidistant && d.size() > kPlumbBobCount &&
+      std::all_of(d.begin() + kPlumbBobCount, d.end(), isZero)) {
+    d.resize(count);
+  }
   if (!(plumb_bob || equidistant || rational) || (!d.empty() && d.size() != count)) {
     return std::nullopt;
   }

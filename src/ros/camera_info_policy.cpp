@@ -5,6 +5,12 @@
 #include "camera_self_calibration/geometry/formatted.h"
 
 namespace camera_self_calibration {
+namespace {
+
+// A difference counts from so many standard deviations on.
+constexpr double kSignificant = 3.0;
+
+}  // namespace
 
 bool CameraInfoPolicy::usable(const CalibrationReport& report) const {
   if (report.state == CalibrationState::kConverged) return true;
@@ -16,38 +22,71 @@ bool CameraInfoPolicy::usable(const CalibrationReport& report) const {
 // Until there is an estimate of this image size, what is known from another one stays.
 bool CameraInfoPolicy::keeps(const CalibrationReport& report) {
   if (!inherited_) return false;
-  if (!inherited_epoch_known_) inherited_epoch_ = report.epoch;
+  // A reset begins with a smaller one.
+  if (!inherited_epoch_known_ || report.epoch < inherited_epoch_) inherited_epoch_ = report.epoch;
   inherited_epoch_known_ = true;
   return report.epoch == inherited_epoch_;
 }
 
 std::string CameraInfoPolicy::update(const CalibrationReport& report) {
   const bool converged = report.state == CalibrationState::kConverged;
+  std::string judged;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
+    if (awaits_beginning_ && converged) return {};
+    awaits_beginning_ = false;
     const bool kept = keeps(report);
     if (kept && !converged) return {};
     if (!usable(report)) {
       camera_.reset();
       published_.reset();
-      inherited_ = false;
+      inherited_ = given_ = false;
       obstacle_.clear();
       return {};
     }
     const bool same = camera_ && camera_->width() == report.camera.width() &&
                       camera_->height() == report.camera.height();
     if (same && !(pixelDistance(*camera_, report.camera).rms > min_change_px_)) {
-      inherited_ = false;
+      inherited_ = given_ = false;
       return {};
     }
+    judged = judgement(report);
   }
-  return publish(report.camera, converged);
+  const std::string warning = publish(report.camera, converged);
+  return judged + (judged.empty() || warning.empty() ? "" : " ") + warning;
+}
+
+// Of a calibration that was given, by the first estimate that the images gave.
+std::string CameraInfoPolicy::judgement(const CalibrationReport& report) const {
+  if (!given_) return {};
+  const double distance = pixelDistance(*camera_, report.camera).rms;
+  if (distance <= kSignificant * report.uncertainty.rms) return {};
+  return formatted(
+      "The calibration that set_camera_info brought is off by %.2f px rms, as the images show "
+      "(they know the lens to %.2f px); their own estimate takes its place.",
+      distance, report.uncertainty.rms);
+}
+
+void CameraInfoPolicy::accept(const Camera& camera, const sensor_msgs::CameraInfo& info) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  camera_ = camera;
+  published_ = CameraInfoConversion{info, {}};
+  obstacle_.clear();
+  if (options_.fixed_projection) fixed_ = info;
+  inherited_ = given_ = awaits_beginning_ = true;
+  inherited_epoch_known_ = false;
+}
+
+void CameraInfoPolicy::forget() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  inherited_ = given_ = awaits_beginning_ = false;
 }
 
 void CameraInfoPolicy::inherit(const Camera& camera) {
   publish(camera, true);
   const std::lock_guard<std::mutex> lock(mutex_);
   inherited_ = published_.has_value();
+  awaits_beginning_ = false;
   inherited_epoch_known_ = false;
 }
 
@@ -71,7 +110,7 @@ std::string CameraInfoPolicy::publish(const Camera& camera, bool converged) {
   camera_ = camera;
   obstacle_ = conversion ? "" : warning;
   published_ = std::move(conversion);
-  inherited_ = false;
+  inherited_ = given_ = false;
   return warning;
 }
 
@@ -109,7 +148,8 @@ CameraInfoState CameraInfoPolicy::state() const {
   if (!published_) return state;
   state.distortion_model = published_->info.distortion_model;
   state.error = published_->error;
-  state.inherited = inherited_;
+  state.inherited = inherited_ && !given_;
+  state.given = given_;
   return state;
 }
 

@@ -2,6 +2,7 @@
 
 #include <exception>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/driver_commit.h"
 #include "camera_self_calibration/ros/model_conversion.h"
@@ -11,6 +12,19 @@ namespace camera_self_calibration {
 namespace {
 
 const char* const kNoImage = "no image has come yet: there is nothing to work on";
+
+std::string sizeText(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
+/// Empty, or why there is a file that is not to be lost.
+std::string whyNotReplaced(const std::string& report_file) {
+  const FileContents present = readFile(report_file);
+  if (!present.exists || (present.error.empty() && isReportYaml(present.bytes))) return "";
+  return report_file +
+         " exists and is no report of this node. It is left untouched: move it away, or set "
+         "~report_file to another file.";
+}
 
 template <typename Response>
 void answer(bool success, const std::string& message, Response* response) {
@@ -70,7 +84,7 @@ std::string ControlServices::whyNotConverged(const std::optional<Present>& now,
 
 void ControlServices::autosave(bool at_once) {
   const double interval = autosave_interval_s_;
-  if (interval <= 0.0) return;
+  if (interval <= 0.0 || !targets_.store->hasFile()) return;
   if (!at_once && ros::WallTime::now() - last_save_ < ros::WallDuration(interval)) return;
   const std::optional<Present> now = present();
   const sensor_msgs::CameraInfo info = targets_.published_info();
@@ -79,13 +93,20 @@ void ControlServices::autosave(bool at_once) {
   const CalibrationReport& report = now->report;
   if (report.uncertainty.rms > options_.pipeline.convergedRms(report.camera.width())) return;
   last_save_ = ros::WallTime::now();
-  const CalibrationStore::Outcome outcome = targets_.store->save(*now->state, info);
+  const CalibrationStore::Outcome outcome = saveTo(targets_.store, *now, info);
   // What cannot be saved is tried again with the next estimate, and said once.
   saved_ = now->state;
-  if (!outcome.success && outcome.message != last_problem_ && targets_.store->hasFile()) {
+  if (!outcome.success && outcome.message != last_problem_) {
     ROS_WARN_STREAM(node_.getNamespace() << ": " << outcome.message);
   }
   last_problem_ = outcome.success ? "" : outcome.message;
+}
+
+CalibrationStore::Outcome ControlServices::saveTo(CalibrationStore* store, const Present& now,
+                                                  const sensor_msgs::CameraInfo& info) {
+  const CalibrationStore::Outcome outcome = store->save(*now.state, info);
+  if (targets_.saved) targets_.saved(outcome);
+  return outcome;
 }
 
 bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
@@ -94,7 +115,10 @@ bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
     const Camera now = calibrator.calibration().camera;
     if (now.width() > 0) calibrator.reset(unlearnt(now.width(), now.height()));
   });
-  if (done) targets_.store->beginAnew();
+  if (done) {
+    targets_.camera_info->forget();
+    targets_.store->beginAnew();
+  }
   answer(done,
          done ? "everything learnt is forgotten; learning begins with the next image. Saved files "
                 "stay until the calibration is CONVERGED again"
@@ -130,7 +154,7 @@ bool ControlServices::save(Trigger::Request&, Trigger::Response& response) {
   CalibrationStore* store = targets_.store->hasFile() || targets_.fallback_store == nullptr
                                 ? targets_.store
                                 : targets_.fallback_store;
-  const CalibrationStore::Outcome outcome = store->save(*now->state, info);
+  const CalibrationStore::Outcome outcome = saveTo(store, *now, info);
   if (outcome.success) saved_ = now->state;
   answer(outcome.success, outcome.message, &response);
   return true;
@@ -155,8 +179,10 @@ bool ControlServices::dumpReport(Trigger::Request&, Trigger::Response& response)
     answer(false, kNoImage, &response);
     return true;
   }
-  const std::string error =
-      writeFileAtomically(options_.report_file, toYaml(now->report, now->dropped_images));
+  std::string error = whyNotReplaced(options_.report_file);
+  if (error.empty()) {
+    error = writeFileAtomically(options_.report_file, toYaml(now->report, now->dropped_images));
+  }
   answer(error.empty(), error.empty() ? "report written to " + options_.report_file : error,
          &response);
   return true;
@@ -183,31 +209,33 @@ bool ControlServices::freeze(std_srvs::SetBool::Request& request,
 bool ControlServices::setCameraInfo(sensor_msgs::SetCameraInfo::Request& request,
                                     sensor_msgs::SetCameraInfo::Response& response) {
   const sensor_msgs::CameraInfo& info = request.camera_info;
-  const std::optional<CameraFit> start = startFrom(info, options_.pipeline.model);
-  response.success = false;
-  if (!start) {
-    response.status_message = "the message is uncalibrated, or its distortion model '" +
-                              info.distortion_model + "' cannot be used as " +
-                              toString(options_.pipeline.model);
-    return true;
-  }
-  std::string size_problem;
+  std::string problem;
   const bool running = targets_.with_calibrator([&](SelfCalibrator& calibrator) {
     const Camera now = calibrator.calibration().camera;
-    if (now.width() > 0 &&
-        (now.width() != start->camera.width() || now.height() != start->camera.height())) {
-      size_problem = "it is for images of " + std::to_string(start->camera.width()) + " x " +
-                     std::to_string(start->camera.height()) + ", these are " +
-                     std::to_string(now.width()) + " x " + std::to_string(now.height());
-      return;
+    const auto width = static_cast<int>(info.width);
+    const auto height = static_cast<int>(info.height);
+    const std::optional<CameraFit> start = startFrom(info, options_.pipeline.model);
+    if (now.width() > 0 && width > 0 && (now.width() != width || now.height() != height)) {
+      problem = "it is for images of " + sizeText(width, height) + ", these are " +
+                sizeText(now.width(), now.height());
+    } else if (!start) {
+      problem = whyNoStart(info, options_.pipeline.model);
+    } else {
+      targets_.camera_info->accept(start->camera, info);
+      calibrator.reset(start->camera);
     }
-    calibrator.reset(start->camera);
   });
-  response.success = running && size_problem.empty();
-  response.status_message = !running ? kNoImage : size_problem;
-  if (!response.success) return true;
+  if (!running) problem = kNoImage;
+  response.success = problem.empty();
+  if (!response.success) {
+    response.status_message = "The calibration is not used: " + problem + ".";
+    return true;
+  }
   targets_.store->beginAnew();
-  response.status_message = "learning begins anew from this calibration with the next image";
+  const CalibrationStore::Outcome saving = targets_.store->saveGiven(options_.pipeline.model, info);
+  if (targets_.saved && targets_.store->hasFile()) targets_.saved(saving);
+  response.status_message = "The calibration is valid at once, and learning begins anew from it. " +
+                            asSentence(saving.message);
   return true;
 }
 
@@ -219,8 +247,9 @@ bool ControlServices::setScale(SetScale::Request& request, SetScale::Response& r
   if (!running) {
     message = kNoImage;
   } else if (!done) {
-    message = request.factor > 0.0 ? "the camera is not being tracked: there is no map to scale"
-                                   : "the factor must be a positive number";
+    message = SelfCalibrator::isScaleFactor(request.factor)
+                  ? "the camera is not being tracked: there is no map to scale"
+                  : "the factor must lie between 1e-6 and 1e6";
   }
   answer(done, message, &response);
   return true;

@@ -16,11 +16,30 @@ bool isOfTracking(EventType type) {
   return type == EventType::kLost || type == EventType::kRelocalized || type == EventType::kInput;
 }
 
+/// For those who have not read the manual.
+std::string meaningOf(EventType type) {
+  switch (type) {
+    case EventType::kHandover:
+      return " (HANDOVER: the start is over, and from now on only what teaches something is kept.)";
+    case EventType::kConverged:
+      return " (CONVERGED: the calibration is good enough for use and goes out.)";
+    case EventType::kCalibrationChange:
+      return " (CALIBRATION_CHANGE: the lens was bumped, refocused or zoomed.)";
+    case EventType::kRelocalized:
+      return " (RELOCALIZED: a place of an earlier map was recognised.)";
+    case EventType::kLost:
+    case EventType::kInput:
+      return "";
+  }
+  return "";
+}
+
 void addEvent(const std::optional<Event>& event,
               diagnostic_updater::DiagnosticStatusWrapper* status) {
   if (!event) return;
   const std::string stamp = formatted(" at %.3f s: ", 1e-9 * static_cast<double>(event->stamp_ns));
-  status->add("last event", toString(event->type) + stamp + event->sentence);
+  status->add("last event",
+              toString(event->type) + stamp + asSentence(event->sentence) + meaningOf(event->type));
 }
 
 }  // namespace
@@ -40,7 +59,8 @@ void Diagnostics::setProblems(const std::vector<std::string>& problems) {
   const std::lock_guard<std::mutex> lock(mutex_);
   problems_.clear();
   for (const std::string& problem : problems) {
-    problems_ += (problems_.empty() ? "" : "; ") + problem;
+    // Not a capital letter: they begin with the name of a parameter.
+    problems_ += (problems_.empty() ? "" : " ") + withFullStop(problem);
   }
 }
 
@@ -48,18 +68,37 @@ void Diagnostics::setStorageProblems(const std::vector<std::string>& problems) {
   const std::lock_guard<std::mutex> lock(mutex_);
   storage_problems_.clear();
   for (const std::string& problem : problems) {
-    storage_problems_ += (storage_problems_.empty() ? "" : "; ") + problem;
+    storage_problems_ += (storage_problems_.empty() ? "" : " ") + asSentence(problem);
   }
 }
 
 void Diagnostics::storage(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (addProblems(&status)) return;
-  if (storage_problems_.empty()) {
-    status.summary(DiagnosticStatus::OK, "Nothing is wrong with the saved files.");
+  if (saving_) {
+    status.summary(saving_->success ? DiagnosticStatus::OK : DiagnosticStatus::ERROR,
+                   asSentence(saving_->message));
+  } else if (keeps_) {
+    status.summary(DiagnosticStatus::OK,
+                   "Nothing has been saved yet: that begins when the calibration is CONVERGED.");
   } else {
-    status.summary(DiagnosticStatus::WARN, storage_problems_);
+    status.summary(DiagnosticStatus::OK,
+                   "Nothing is kept: the next start learns anew. Set ~camera_info_url or "
+                   "~state_file to keep what is learnt.");
   }
+  if (!storage_problems_.empty()) {
+    status.mergeSummary(DiagnosticStatus::WARN, storage_problems_);
+  }
+}
+
+void Diagnostics::setKeeps(bool keeps) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  keeps_ = keeps;
+}
+
+void Diagnostics::update(const CalibrationStore::Outcome& saving) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  saving_ = saving;
 }
 
 void Diagnostics::setTopic(const std::string& topic) {
@@ -135,7 +174,7 @@ void Diagnostics::tracking(Status& status) {
   const bool tracking = frame_.state == TrackingState::kTracking;
   const std::string name = tracking ? "" : toString(frame_.state) + ": ";
   status.summary(tracking ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
-                 name + frame_.sentence + ".");
+                 name + asSentence(frame_.sentence));
   if (!frame_problem_.empty()) status.mergeSummary(DiagnosticStatus::ERROR, frame_problem_);
 }
 
@@ -143,8 +182,9 @@ void Diagnostics::calibration(Status& status) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (addProblems(&status)) return;
   const bool converged = report_.state == CalibrationState::kConverged;
-  std::string sentence = report_.sentence.empty() ? "Nothing is known yet." : report_.sentence;
-  if (!report_.hint.empty()) sentence += " " + report_.hint;
+  std::string sentence =
+      report_.sentence.empty() ? "Nothing is known yet." : asSentence(report_.sentence);
+  if (!report_.hint.empty()) sentence += " " + asSentence(report_.hint);
   status.summary(converged ? DiagnosticStatus::OK : DiagnosticStatus::WARN, sentence);
   status.add("state", toString(report_.state));
   status.add("pixel uncertainty rms [px]", report_.uncertainty.rms);
@@ -171,6 +211,11 @@ void Diagnostics::addCameraInfo(Status* status) const {
     status->mergeSummary(DiagnosticStatus::OK,
                          "camera_info goes out, rescaled from the former image size.");
   }
+  if (info.given) {
+    status->mergeSummary(DiagnosticStatus::OK,
+                         "camera_info goes out as set_camera_info brought it, until the images "
+                         "have confirmed or replaced it.");
+  }
   if (info.error.max > CameraInfoPolicy::kConversionWarning) {
     status->mergeSummaryf(DiagnosticStatus::WARN,
                           "The published %s deviates from the estimated lens by up to %.2f px; "
@@ -184,8 +229,12 @@ void Diagnostics::queue(Status& status) {
   if (addProblems(&status)) return;
   const QueueReport& queue = report_.queue;
   const std::size_t segments = queue.segments.size();
-  const std::string last =
-      queue.last_decision.empty() ? "" : " The newest candidate: " + queue.last_decision + ".";
+  std::string last;
+  if (!queue.last_decision.empty()) {
+    last = " The newest stretch: " + asSentence(queue.last_decision);
+    const bool scored = queue.last_decision.find("entropy") != std::string::npos;
+    if (scored) last += " (The lower its entropy, the more a stretch tells of the lens.)";
+  }
   if (segments == 0) {
     status.summary(DiagnosticStatus::OK,
                    "No stretch of video has told enough of the lens yet." + last);
@@ -246,7 +295,7 @@ void Diagnostics::summarizeTiming(Status* status) const {
                     "No images on " + topic_ + ": is the camera running, and is the name right?");
   } else if (input_.rejected > before.rejected || input_.jumps > before.jumps) {
     status->summary(heard ? DiagnosticStatus::WARN : DiagnosticStatus::ERROR,
-                    "Input: " + input_.last_problem + ".");
+                    "Input: " + asSentence(input_.last_problem));
   } else if (drops > 0) {
     status->summaryf(DiagnosticStatus::WARN,
                      "Slower than the camera: %lld images were dropped since the last report. "

@@ -35,7 +35,8 @@ std::string describe(const PixelError& distance, const PixelError& uncertainty) 
 /// In the model to estimate, where an estimate can start.
 std::optional<Camera> asStart(const Camera& factory, CameraModel model) {
   const std::optional<CameraFit> fit = fitCamera(factory, model);
-  if (!fit) return std::nullopt;
+  // A start that cannot project the whole image would later pass for a change of the lens.
+  if (!fit || !std::isfinite(fit->error.max)) return std::nullopt;
   if (model != CameraModel::kFov || fit->camera.parameters()[4] >= kLeastFovW) return fit->camera;
   Camera start = fit->camera;
   Intrinsics p = start.parameters();

@@ -98,12 +98,24 @@ cv::Mat luminanceOfYuyv(const sensor_msgs::Image& message) {
   return gray;
 }
 
+/// Where the pixels of a JPEG begin: behind the segments of its head, which may hold a preview with
+/// an end of its own.
+std::size_t pixelsOfJpeg(const std::vector<std::uint8_t>& data) {
+  constexpr std::uint8_t kMark = 0xFF;
+  constexpr std::uint8_t kStartOfScan = 0xDA;
+  std::size_t at = 2;
+  while (at + 3 < data.size() && data[at] == kMark && data[at + 1] != kStartOfScan) {
+    at += data[at + 1] == kMark ? 1 : 2 + (std::size_t{data[at + 2]} << 8 | data[at + 3]);
+  }
+  return std::min(at, data.size());
+}
+
 /// A JPEG decoder fills what is missing of a truncated picture with gray and only warns.
 bool isTruncatedJpeg(const std::vector<std::uint8_t>& data) {
-  const bool is_jpeg = data.size() > 2 && data[0] == 0xFF && data[1] == 0xD8;
+  if (data.size() <= 2 || data[0] != 0xFF || data[1] != 0xD8) return false;
   constexpr std::array<std::uint8_t, 2> kEndOfImage = {0xFF, 0xD9};
-  return is_jpeg && std::find_end(data.begin(), data.end(), kEndOfImage.begin(),
-                                  kEndOfImage.end()) == data.end();
+  const auto pixels = data.begin() + static_cast<std::ptrdiff_t>(pixelsOfJpeg(data));
+  return std::search(pixels, data.end(), kEndOfImage.begin(), kEndOfImage.end()) == data.end();
 }
 
 }  // namespace

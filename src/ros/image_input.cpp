@@ -30,14 +30,18 @@ void ImageInput::shutdown() {
   compressed_.shutdown();
 }
 
-void ImageInput::onRaw(const sensor_msgs::ImageConstPtr& message) {
+void ImageInput::onRaw(const ros::MessageEvent<const sensor_msgs::Image>& event) {
   compressed_.shutdown();  // "auto": what comes first is taken.
-  callback_({message->header, converter_.convert(message), message, nullptr});
+  const sensor_msgs::ImageConstPtr message = event.getConstMessage();
+  callback_(
+      {message->header, converter_.convert(message), message, nullptr, event.getPublisherName()});
 }
 
-void ImageInput::onCompressed(const sensor_msgs::CompressedImageConstPtr& message) {
+void ImageInput::onCompressed(const ros::MessageEvent<const sensor_msgs::CompressedImage>& event) {
   raw_.shutdown();
-  callback_({message->header, converter_.convert(*message), nullptr, message});
+  const sensor_msgs::CompressedImageConstPtr message = event.getConstMessage();
+  callback_(
+      {message->header, converter_.convert(*message), nullptr, message, event.getPublisherName()});
 }
 
 }  // namespace camera_self_calibration

@@ -32,7 +32,7 @@ std::string InputMonitor::takeNotice() { return std::exchange(notice_, {}); }
 
 InputVerdict InputMonitor::check(const GrayImage& image) {
   if (!image.view) return reject(image.error);
-  if (image.view->stamp_ns <= 0) {
+  if (image.view->stamp_ns < first_time_ns_) {
     return reject("the images carry no time (header.stamp is 0); the driver has to stamp them");
   }
   const std::string misfit = mask_ ? maskMisfit(*mask_, image.view->width, image.view->height) : "";

@@ -59,6 +59,12 @@ void readKeeping(ParameterReader& read, NodeOptions* options) {
   read("commit_service", &options->commit_service);
 }
 
+bool areIntrinsics(CameraModel model, const std::vector<double>& values) {
+  const Eigen::Map<const Eigen::VectorXd> parameters(values.data(),
+                                                     static_cast<Eigen::Index>(values.size()));
+  return Camera(model, 1, 1, parameters).valid();
+}
+
 void checkModel(const NodeOptions& options, std::vector<std::string>* problems) {
   if (options.model == kAutoModel) {
     if (options.initial_intrinsics.empty()) return;
@@ -74,9 +80,14 @@ void checkModel(const NodeOptions& options, std::vector<std::string>* problems) 
   const std::size_t count = options.initial_intrinsics.size();
   const auto expected = static_cast<std::size_t>(Camera::parameterCount(*model));
   const bool with_k3 = *model == CameraModel::kRadtan && count == expected + 1;
-  if (count != 0 && count != expected && !with_k3) {
+  const bool counted = count == expected || with_k3;
+  if (count != 0 && !counted) {
     problems->push_back("initial_intrinsics has " + std::to_string(count) + " values; " +
                         options.model + " has " + std::to_string(expected));
+  }
+  if (counted && !areIntrinsics(*model, options.initial_intrinsics)) {
+    problems->push_back("initial_intrinsics are no valid values of the model " + options.model +
+                        ": fx and fy must be positive, and all of them numbers within range");
   }
 }
 

@@ -11,6 +11,7 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr int kDigits = 17;
+const std::string kFirstLine = "# Report of camera_self_calibration\n";
 
 void emitCamera(const CalibrationReport& report, YAML::Emitter* out) {
   const Intrinsics& p = report.camera.parameters();
@@ -71,7 +72,11 @@ std::string toYaml(const CalibrationReport& report, std::int64_t dropped_images)
   out << YAML::Key << "dropped_images" << YAML::Value << dropped_images;
   emitQueue(report.queue, &out);
   out << YAML::EndMap << YAML::Newline;
-  return out.c_str();
+  return kFirstLine + out.c_str();
+}
+
+bool isReportYaml(const std::string& text) {
+  return text.compare(0, kFirstLine.size(), kFirstLine) == 0;
 }
 
 }  // namespace camera_self_calibration

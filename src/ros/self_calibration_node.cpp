@@ -2,6 +2,7 @@
 
 #include <image_transport/camera_common.h>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/ros/mask_file.h"
 #include "camera_self_calibration/ros/stamps.h"
 
@@ -57,6 +58,7 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   for (const std::string& problem : namingProblems(node_, private_node_)) {
     problems.push_back(problem);
   }
+  for (const std::string& problem : sameFileProblems(options_, name)) problems.push_back(problem);
   const MaskReading mask = readMask(options_.mask_url);
   if (!mask.error.empty()) problems.push_back(mask.error);
   options_.pipeline.tracker.mask = mask.mask;
@@ -77,8 +79,10 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   visualizer_ = std::make_unique<Visualizer>(private_node_, options_);
   session_ = std::make_unique<CalibrationSession>(options_.pipeline, callbacks());
   if (factory_) factory_->subscribe(node_);
-  keeper_ = std::make_unique<CalibrationKeeper>(private_node_, options_, name, input_->topic(),
-                                                session_.get(), camera_info_policy_.get());
+  keeper_ = std::make_unique<CalibrationKeeper>(
+      private_node_, options_, name, input_->topic(), session_.get(), camera_info_policy_.get(),
+      [this](const CalibrationStore::Outcome& outcome) { diagnostics_->update(outcome); });
+  diagnostics_->setKeeps(keeper_->keeps());
   live_parameters_ = std::make_unique<LiveParameters>(
       private_node_, [this](const SelfCalibrationConfig& config) { change(config); });
   input_->subscribe();
@@ -95,7 +99,7 @@ SelfCalibrationNode::~SelfCalibrationNode() {
 
 void SelfCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
   std::string text;
-  for (const std::string& problem : problems) text += "\n  - " + problem;
+  for (const std::string& problem : problems) text += "\n  - " + withFullStop(problem);
   ROS_ERROR_STREAM(private_node_.getNamespace()
                    << ": idle, since the parameters cannot be used:" << text);
   diagnostics_->setProblems(problems);
@@ -103,6 +107,13 @@ void SelfCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
 }
 
 void SelfCalibrationNode::onImage(const InputImage& image) {
+  const std::string foreign = publisher_watch_.check(image.publisher);
+  if (!foreign.empty()) {
+    InputImage left_out = image;
+    left_out.gray = {std::nullopt, foreign};
+    check(left_out);
+    return;
+  }
   const std::string problem = camera_publisher_->publish(image);
   if (!problem.empty()) warnThrottled(problem);
   const InputVerdict verdict = check(image);

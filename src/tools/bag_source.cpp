@@ -10,6 +10,7 @@
 #include "camera_self_calibration/ros/gray_image.h"
 #include "camera_self_calibration/ros/stamps.h"
 #include "camera_self_calibration/tools/image_source.h"
+#include "image_child.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -119,9 +120,7 @@ std::optional<GrayImage> readNext(BagReader* reader, const std::string& path) {
   }
 }
 
-}  // namespace
-
-ImageSource openBag(const SourceOptions& options) {
+ImageSource openHere(const SourceOptions& options) {
   const auto reader = std::make_shared<BagReader>();
   openReadable(options.path, &reader->bag);
   const std::string topic = chosenTopic(imageTopics(reader->bag), options.topic);
@@ -133,6 +132,15 @@ ImageSource openBag(const SourceOptions& options) {
   }
   source.next = [reader, path = options.path] { return readNext(reader.get(), path); };
   return source;
+}
+
+}  // namespace
+
+// librosbag trusts the lengths that stand in a bag, and crashes where one of them is damaged.
+ImageSource openBag(const SourceOptions& options) {
+  return openInChild([&options] { return openHere(options); },
+                     options.path + " is damaged: what reads it has crashed. Repair it with: " +
+                         "rosbag reindex " + options.path);
 }
 
 }  // namespace camera_self_calibration

@@ -41,6 +41,22 @@ void addPose(const FrameResult& result, std::vector<TimedPose>* poses) {
   poses->push_back(pose);
 }
 
+std::optional<GrayImage> nextImage(ImageSource* source, const CalibrateExtras& extras,
+                                   Recording* recording) {
+  recording->complete = !(extras.stop && extras.stop());
+  return recording->complete ? source->next() : std::nullopt;
+}
+
+/// A run calibrates one size: the image, or why it is left out. `width` of 0: it is the first.
+GrayImage ofSize(const GrayImage& image, int width, int height) {
+  if (!image.view || width == 0 || (image.view->width == width && image.view->height == height)) {
+    return image;
+  }
+  return {std::nullopt, "images of " + sizeText(image.view->width, image.view->height) +
+                            " are left out, since those before have " + sizeText(width, height) +
+                            "; to calibrate them, begin with them (--start)"};
+}
+
 Callbacks recordInto(Recording* recording) {
   Callbacks callbacks;
   callbacks.frame = [recording](const FrameResult& result) {
@@ -107,9 +123,10 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   if (extras.reference) held = heldRun(options, *extras.reference, &recording);
   Progress progress(source->count);
   InputMonitor monitor;
-  while (const std::optional<GrayImage> image = source->next()) {
+  monitor.takeZeroAsTime();
+  while (const std::optional<GrayImage> image = nextImage(source, extras, &recording)) {
     progress.advance();
-    const InputVerdict verdict = monitor.check(*image);
+    const InputVerdict verdict = monitor.check(ofSize(*image, monitor.width(), monitor.height()));
     if (verdict != InputVerdict::kUse) warn(monitor.counts());
     if (verdict == InputVerdict::kReject) continue;
     if (recording.frames == 0) {
@@ -126,7 +143,7 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   recording.processing_seconds = progress.elapsedSeconds();
   recording.final_report = calibrator.calibration();
   recording.learnt = calibrator.state();
-  if (extras.batch) recording.batch = batch.finish();
+  if (extras.batch && recording.complete) recording.batch = batch.finish();
   if (recording.frames > 0) progress.show(recording.final_report, true);
   progress.finish();
   return recording;

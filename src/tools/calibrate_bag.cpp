@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/tools/calibrate.h"
 #include "camera_self_calibration/tools/calibrate_bag_arguments.h"
+#include "camera_self_calibration/tools/interruption.h"
 #include "camera_self_calibration/tools/report_html.h"
 #include "camera_self_calibration/tools/report_text.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
@@ -15,13 +16,16 @@
 namespace camera_self_calibration {
 namespace {
 
-enum ExitCode { kConverged = 0, kNotConverged = 2, kNoImages = 3 };  // and that of runProgram
+// And that of runProgram.
+enum ExitCode { kConverged = 0, kNotConverged = 2, kNoImages = 3, kInterrupted = 4 };
 
 void write(const CalibrateBagArguments& arguments, const std::string& name,
            const Recording& recording, const TrajectoryResults& trajectory) {
-  writeRecording(arguments.out, name, recording,
-                 {{"batch", batchJson(recording.final_report, recording.batch)},
-                  {"trajectory", trajectoryJson(trajectory)}});
+  const std::vector<std::string> notes =
+      writeRecording(arguments.out, name, recording,
+                     {{"batch", batchJson(recording.final_report, recording.batch)},
+                      {"trajectory", trajectoryJson(trajectory)}});
+  for (const std::string& note : notes) std::cout << note << '\n';
   if (arguments.extras.batch) {
     writeBatchFigures(arguments.out, recording.reports, recording.batch, recording.reference);
   }
@@ -34,9 +38,16 @@ void write(const CalibrateBagArguments& arguments, const std::string& name,
 
 int run(const CalibrateBagArguments& arguments) {
   ImageSource source = openImages(arguments.source);
+  if (!source.description.empty()) std::cout << source.description << std::endl;
   // Before the work rather than after it: a folder that cannot be made.
   if (!arguments.out.empty()) std::filesystem::create_directories(arguments.out);
-  const Recording recording = calibrate(&source, arguments.options, arguments.extras);
+  CalibrateExtras extras = arguments.extras;
+  extras.stop = interrupted;
+  const Recording recording = calibrate(&source, arguments.options, extras);
+  if (recording.frames == 0 && !recording.complete) {
+    std::cerr << "calibrate_bag: interrupted before the first image: nothing is known\n";
+    return kInterrupted;
+  }
   if (recording.frames == 0) {
     std::cerr << "calibrate_bag: no images in " << arguments.source.path
               << (source.name.empty() ? " (it has no image topic)" : "") << '\n';
@@ -49,6 +60,12 @@ int run(const CalibrateBagArguments& arguments) {
     std::cerr << "warning: the ground truth has no poses at the times of the images\n";
   }
   if (!arguments.out.empty()) write(arguments, source.name, recording, trajectory);
+  if (!recording.complete) {
+    std::cerr << "calibrate_bag: interrupted after " << recording.frames << " images"
+              << (arguments.out.empty() ? "" : "; the results in " + arguments.out + " are partial")
+              << '\n';
+    return kInterrupted;
+  }
   return recording.final_report.state == CalibrationState::kConverged ? kConverged : kNotConverged;
 }
 
@@ -57,6 +74,7 @@ int run(const CalibrateBagArguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace camera_self_calibration;
+  catchInterruption();
   return runProgram(
       "calibrate_bag", [&] { return parseCalibrateBagArguments(argc, argv); }, run);
 }

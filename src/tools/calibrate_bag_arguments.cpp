@@ -1,9 +1,11 @@
 #include "camera_self_calibration/tools/calibrate_bag_arguments.h"
 
 #include <boost/program_options.hpp>
+#include <cmath>
 #include <stdexcept>
 
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
 #include "command_line.h"
@@ -18,7 +20,8 @@ constexpr const char* kUsage =
     "\n"
     "  calibrate_bag BAG|FOLDER|VIDEO [--model fov] [--out DIR] [options]\n"
     "\n"
-    "Exit code: 0 converged, 2 ran but did not converge, 1 error, 3 no images.\n";
+    "Exit code: 0 converged, 2 ran but did not converge, 1 error, 3 no images,\n"
+    "4 interrupted (Ctrl-C, SIGTERM): what is known so far is written and marked as partial.\n";
 
 po::options_description description(CalibrateBagArguments* arguments) {
   Options& options = arguments->options;
@@ -27,7 +30,7 @@ po::options_description description(CalibrateBagArguments* arguments) {
   // clang-format off
   all.add_options()
     ("help,h", "this text")
-    ("input", po::value(&source.path), "bag (*.bag), folder of images or video file")
+    ("input", po::value(&source.path), "bag, folder of images or video file")
     ("topic", po::value(&source.topic), "image topic of the bag; needed if it has several")
     ("model", po::value<std::string>(),
      "pinhole | fov | radtan (plumb_bob) | equidistant | auto (chosen by evidence, starting with that "
@@ -36,7 +39,7 @@ po::options_description description(CalibrateBagArguments* arguments) {
      "folder for the results; made if it is missing. Without it only a table is printed")
     ("initial", po::value<std::string>(),
      "start values: a ROS calibration (YAML) or a YAML with model, width, height, params")
-    ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video [Hz]")
+    ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video (default: its own times) [Hz]")
     ("start", po::value(&source.start_seconds), "skip this much of the beginning [s]")
     ("duration", po::value(&source.duration_seconds), "stop after this much [s]")
     ("report", po::bool_switch(&arguments->report),
@@ -103,9 +106,10 @@ void setInitial(const std::string& file, bool model_given, Options* options) {
   if (!model_given) options->model = camera.model();
   if (camera.model() != options->model) {
     const std::optional<CameraFit> fit = fitCamera(camera, options->model);
-    if (!fit) {
+    if (!fit || !std::isfinite(fit->error.max)) {
       throw std::runtime_error("the start values of " + file + " cannot be converted to " +
-                               toString(options->model));
+                               toString(options->model) + " over the whole image. Leave out " +
+                               "--initial, or calibrate with --model " + toString(camera.model()));
     }
     camera = fit->camera;
   }
@@ -125,7 +129,7 @@ void checkOptions(const Options& options) {
   const std::vector<std::string> problems = options.problems();
   if (problems.empty()) return;
   std::string text = "the options cannot be used:";
-  for (const std::string& problem : problems) text += "\n  - " + problem;
+  for (const std::string& problem : problems) text += "\n  - " + withFullStop(problem);
   throw std::runtime_error(text);
 }
 

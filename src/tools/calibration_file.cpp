@@ -1,7 +1,9 @@
 #include "camera_self_calibration/tools/calibration_file.h"
 
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -19,10 +21,11 @@ std::string contents(const std::string& path) {
   if (std::filesystem::is_directory(path)) {
     throw std::runtime_error("the calibration file " + path + " is a folder");
   }
-  std::ifstream file(path, std::ios::binary);
   std::string text(kMaxBytes + 1, '\0');
+  std::ifstream file(path, std::ios::binary);
   if (!file) {
-    throw std::runtime_error("the calibration file " + path + " cannot be opened");
+    throw std::runtime_error("the calibration file " + path +
+                             " cannot be opened: " + std::strerror(errno));
   }
   file.read(&text[0], static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
@@ -77,8 +80,9 @@ void replaceFile(const std::string& path, const std::string& text) {
   file << text;
   file.close();
   if (file && std::rename(temporary.c_str(), path.c_str()) == 0) return;
+  const std::string why = std::strerror(errno);
   std::remove(temporary.c_str());
-  throw std::runtime_error("the calibration cannot be written to " + path);
+  throw std::runtime_error("the calibration cannot be written to " + path + ": " + why);
 }
 
 }  // namespace
@@ -109,23 +113,10 @@ CameraFit writeCalibration(const std::string& path, const Camera& camera, Calibr
   }
   std::string text = calibrationText(fit.camera, format, labels);
   if (!isExact(fit, camera)) text = noted(text, fitNote(camera, fit));
+  if (!labels.comment.empty()) text = noted(text, labels.comment);
   checkReadBack(text, format, fit.camera);
   replaceFile(path, text);
   return fit;
-}
-
-void writeRosCalibration(const std::string& path, const std::string& camera_name,
-                         const Camera& camera) {
-  CalibrationLabels labels;
-  labels.camera_name = camera_name;
-  writeCalibration(path, camera, CalibrationFormat::kRos, labels);
-}
-
-void writeKalibrCalibration(const std::string& path, const std::string& topic,
-                            const Camera& camera) {
-  CalibrationLabels labels;
-  labels.topic = topic;
-  writeCalibration(path, camera, CalibrationFormat::kKalibr, labels);
 }
 
 }  // namespace camera_self_calibration

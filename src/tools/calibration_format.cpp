@@ -27,14 +27,15 @@ bool holds(const std::string& text, const char* words) {
   return text.find(words) != std::string::npos;
 }
 
-/// Files of cv::FileStorage, by their keys.
+/// Files of cv::FileStorage, by their keys; others that only begin as one, such as the camchains of
+/// OpenVINS, are told apart as YAML.
 std::optional<CalibrationFormat> detectStorage(const std::string& text) {
   if (holds(text, "model_type")) return CalibrationFormat::kVins;
   if (holds(text, "Camera.type") || holds(text, "Camera.fx") || holds(text, "Camera1.fx")) {
     return CalibrationFormat::kOrbSlam3;
   }
-  if (holds(text, "amera_")) return CalibrationFormat::kOpenCv;
-  return std::nullopt;
+  return holds(text, "opencv-matrix") ? std::optional<CalibrationFormat>(CalibrationFormat::kOpenCv)
+                                      : std::nullopt;
 }
 
 /// Whether the first line that is no comment is an id, a name in capitals and a size.
@@ -57,14 +58,16 @@ bool looksLikeColmap(const std::string& text) {
 std::optional<CalibrationFormat> detectYaml(const std::string& text) {
   YAML::Node yaml;
   try {
-    yaml = YAML::Load(text);
+    yaml = YAML::Load(withoutStorageHeader(text));
   } catch (const YAML::Exception& e) {
     throw std::runtime_error(std::string("it is no valid YAML: ") + e.what());
   }
   if (!yaml.IsMap()) return std::nullopt;
   if (yaml["model_type"]) return CalibrationFormat::kVins;
   if (yaml["model"]) return CalibrationFormat::kPlain;
-  if (yaml["camera_matrix"] || yaml["image_width"]) return CalibrationFormat::kRos;
+  const bool ros = yaml["camera_matrix"] || yaml["image_width"] || yaml["K"];
+  if (ros) return CalibrationFormat::kRos;
+  if (yaml["camera_model"] && yaml["resolution"]) return CalibrationFormat::kKalibr;
   for (const auto& entry : yaml) {
     if (entry.second.IsMap() && entry.second["camera_model"]) return CalibrationFormat::kKalibr;
   }
@@ -99,6 +102,11 @@ std::optional<CameraFit> bestFit(const Camera& camera, CalibrationFormat format)
   return !fit || without_k3->error.rms < fit->error.rms ? without_k3 : fit;
 }
 
+bool namesCameras(CalibrationFormat format) {
+  return format == CalibrationFormat::kKalibr || format == CalibrationFormat::kColmap ||
+         format == CalibrationFormat::kOpenCv || format == CalibrationFormat::kOrbSlam3;
+}
+
 /// k3 = 0 says nothing.
 Camera withoutIdleK3(const Camera& camera) {
   const Intrinsics& p = camera.parameters();
@@ -130,7 +138,8 @@ std::string calibrationFormatNames() {
 
 std::optional<CalibrationFormat> detectCalibrationFormat(const std::string& text) {
   if (text.compare(0, 5, "%YAML") == 0 || text.compare(0, 5, "<?xml") == 0) {
-    return detectStorage(text);
+    const std::optional<CalibrationFormat> format = detectStorage(text);
+    if (format || text.front() == '<') return format;
   }
   if (looksLikeColmap(text)) return CalibrationFormat::kColmap;
   return detectYaml(text);
@@ -138,19 +147,23 @@ std::optional<CalibrationFormat> detectCalibrationFormat(const std::string& text
 
 StoredCalibration parseCalibration(const std::string& text, CalibrationFormat format,
                                    const std::string& wanted) {
+  if (!wanted.empty() && !namesCameras(format)) {
+    throw std::runtime_error("--camera has no meaning for a file of the format " +
+                             toString(format) + ", which does not name its cameras");
+  }
   switch (format) {
     case CalibrationFormat::kRos:
-      return parseRos(text);
+      return parseRos(withoutStorageHeader(text));
     case CalibrationFormat::kPlain:
       return parsePlain(text);
     case CalibrationFormat::kKalibr:
-      return parseKalibr(text, wanted);
+      return parseKalibr(withoutStorageHeader(text), wanted);
     case CalibrationFormat::kOpenCv:
-      return parseOpenCv(text);
+      return parseOpenCv(text, wanted);
     case CalibrationFormat::kColmap:
       return parseColmap(text, wanted);
     case CalibrationFormat::kOrbSlam3:
-      return parseOrbSlam3(text);
+      return parseOrbSlam3(text, wanted);
     case CalibrationFormat::kVins:
       return parseVins(text);
   }

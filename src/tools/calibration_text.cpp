@@ -15,12 +15,12 @@ constexpr int kRings = 5;
 std::string ringsText(const Camera& a, const PixelDifference& difference) {
   const Eigen::Vector2d centre = a.parameters().segment<2>(2);
   double reach = 0.0;
-  for (const auto& point : difference.points) {
+  for (const auto& point : difference.samples) {
     reach = std::max(reach, (point.pixel - centre).norm());
   }
   std::vector<double> sum(kRings, 0.0), largest(kRings, 0.0);
   std::vector<int> count(kRings, 0);
-  for (const auto& point : difference.points) {
+  for (const auto& point : difference.samples) {
     const double share = (point.pixel - centre).norm() / reach;
     const auto ring = static_cast<std::size_t>(std::min(kRings - 1, int(share * kRings)));
     sum[ring] += point.offset.squaredNorm();

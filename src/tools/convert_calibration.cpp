@@ -45,7 +45,8 @@ po::options_description description(Arguments* arguments) {
     ("to", po::value(&arguments->to), "format of OUT")
     ("from", po::value(&arguments->from), "format of IN; default: told from what stands in it")
     ("camera", po::value(&arguments->camera),
-     "which camera of a file with several: cam0, cam1, ... (kalibr), the id (colmap)")
+     "which camera of a file with several: cam0, cam1, ... (kalibr), the id (colmap), 1 or 2 (opencv), "
+     "Camera1 or Camera2 (orbslam3)")
     ("name", po::value(&labels.camera_name)->default_value(labels.camera_name),
      "camera_name in OUT (ros, vins)")
     ("topic", po::value(&labels.topic)->default_value(labels.topic), "rostopic in OUT (kalibr)")
@@ -83,8 +84,12 @@ int run(const Arguments& arguments) {
   std::cout << "read  " << describe(arguments.in, read);
   const CameraFit fit = writeCalibration(arguments.out, read.stored.camera, to, arguments.labels);
   std::cout << "wrote " << describe(arguments.out, {{{}, fit.camera}, to});
+  if (read.stored.rectified) {
+    std::cout << "The rectification of IN (R and P, of a stereo pair or of a chosen view) is not "
+                 "written; OUT has the camera alone.\n";
+  }
   if (fit.camera.model() == read.stored.camera.model() && fit.error.max == 0.0) {
-    std::cout << "exact\n";
+    std::cout << (read.stored.rectified ? "The camera is exact.\n" : "exact\n");
     return 0;
   }
   std::cout << std::setprecision(3) << "fitted, since the format has no "

@@ -14,6 +14,7 @@ std::string distortionName(CameraModel model) {
   return model == CameraModel::kPinhole ? "none" : toString(model);
 }
 
+/// EuRoC's sensor.yaml and OpenVINS have other names for the same.
 CameraModel modelOf(const std::string& projection, const std::string& distortion) {
   if (projection != "pinhole") {
     throw std::runtime_error("the camera_model '" + projection +
@@ -23,6 +24,7 @@ CameraModel modelOf(const std::string& projection, const std::string& distortion
                                   CameraModel::kEquidistant}) {
     if (distortion == distortionName(model)) return model;
   }
+  if (distortion == "radial-tangential" || distortion == "plumb_bob") return CameraModel::kRadtan;
   throw std::runtime_error("the distortion_model '" + distortion +
                            "' is not one of none, fov, radtan, equidistant");
 }
@@ -38,12 +40,17 @@ T value(const YAML::Node& camera, const char* key) {
 StoredCalibration parseKalibr(const std::string& text, const std::string& wanted) {
   const YAML::Node chain = YAML::Load(text);
   if (!chain.IsMap()) throw std::runtime_error("it holds no keys and values");
+  // EuRoC's sensor.yaml is one camera without a name.
+  const bool nameless = chain["camera_model"].IsDefined();
+  if (nameless && !wanted.empty()) {
+    throw std::runtime_error("its only camera has no name; leave out --camera");
+  }
   std::vector<std::string> names;
   for (const auto& entry : chain) {
     if (entry.second.IsMap()) names.push_back(entry.first.as<std::string>());
   }
-  const std::string name = chosenName(names, wanted);
-  const YAML::Node camera = chain[name];
+  const std::string name = nameless ? "" : chosenName(names, wanted);
+  const YAML::Node camera = nameless ? chain : chain[name];
   const CameraModel model = modelOf(value<std::string>(camera, "camera_model"),
                                     value<std::string>(camera, "distortion_model"));
   auto values = value<std::vector<double>>(camera, "intrinsics");
@@ -51,7 +58,9 @@ StoredCalibration parseKalibr(const std::string& text, const std::string& wanted
   // Left out or given as zeros where there is none.
   std::vector<double> coefficients;
   if (model != CameraModel::kPinhole) {
-    coefficients = value<std::vector<double>>(camera, "distortion_coeffs");
+    const bool euroc = camera["distortion_coefficients"].IsDefined();
+    coefficients =
+        value<std::vector<double>>(camera, euroc ? "distortion_coefficients" : "distortion_coeffs");
   }
   values.insert(values.end(), coefficients.begin(), coefficients.end());
   const auto size = value<std::vector<int>>(camera, "resolution");

@@ -16,12 +16,22 @@ std::vector<double> numbers(const OpenCvStorage& storage, const std::string& pre
   return values;
 }
 
+/// "Camera1." for instance. Before version 1.0 of the settings the first camera had no number.
+std::string prefixOf(const OpenCvStorage& storage, const std::string& wanted) {
+  std::vector<std::string> names;
+  for (const char* name : {"Camera1", "Camera2"}) {
+    if (storage.has(std::string(name) + ".fx")) names.emplace_back(name);
+  }
+  if (names.empty()) names.emplace_back("Camera");
+  // Settings of a stereo camera mean the first one.
+  return chosenName(names, wanted.empty() ? names.front() : wanted) + ".";
+}
+
 }  // namespace
 
-StoredCalibration parseOrbSlam3(const std::string& text) {
+StoredCalibration parseOrbSlam3(const std::string& text, const std::string& wanted) {
   const OpenCvStorage storage(text);
-  // Before version 1.0 of the settings the first camera had no number.
-  const std::string prefix = storage.has("Camera1.fx") ? "Camera1." : "Camera.";
+  const std::string prefix = prefixOf(storage, wanted);
   const std::string type = storage.has("Camera.type") ? storage.word("Camera.type") : "PinHole";
   const int width = storage.wholeNumber("Camera.width");
   const int height = storage.wholeNumber("Camera.height");
@@ -29,7 +39,8 @@ StoredCalibration parseOrbSlam3(const std::string& text) {
   if (type == "KannalaBrandt8") {
     const auto k = numbers(storage, prefix, {"k1", "k2", "k3", "k4"});
     values.insert(values.end(), k.begin(), k.end());
-    return {{}, makeCamera(CameraModel::kEquidistant, width, height, values)};
+    return {prefix.substr(0, prefix.size() - 1),
+            makeCamera(CameraModel::kEquidistant, width, height, values)};
   }
   if (type != "PinHole" && type != "Rectified") {
     throw std::runtime_error("'Camera.type' is '" + type +
@@ -40,7 +51,8 @@ StoredCalibration parseOrbSlam3(const std::string& text) {
     distortion = numbers(storage, prefix, {"k1", "k2", "p1", "p2"});
     if (storage.has(prefix + "k3")) distortion.push_back(storage.number(prefix + "k3"));
   }
-  return {{}, makeDistortedCamera(width, height, values, distortion)};
+  return {prefix.substr(0, prefix.size() - 1),
+          makeDistortedCamera(width, height, values, distortion)};
 }
 
 std::string orbSlam3Text(const Camera& camera, const CalibrationLabels& labels) {

@@ -3,10 +3,12 @@
 #include <camera_calibration_parsers/parse_yml.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <sstream>
 #include <stdexcept>
 
 #include "camera_self_calibration/ros/camera_info.h"
+#include "camera_self_calibration/ros/model_conversion.h"
 #include "format_text.h"
 
 namespace camera_self_calibration {
@@ -33,6 +35,45 @@ void checkMatrix(const YAML::Node& yaml, const char* key, int rows, int columns)
                            " values");
 }
 
+/// Values of a list under a key, of this number (or any, if it is 0).
+std::vector<double> list(const YAML::Node& yaml, const char* key, std::size_t count) {
+  const auto values = need(yaml, key).as<std::vector<double>>();
+  if (count == 0 || values.size() == count) return values;
+  throw std::runtime_error(std::string("'") + key + "' has " + std::to_string(values.size()) +
+                           " values, not " + std::to_string(count));
+}
+
+/// A sensor_msgs/CameraInfo as rostopic prints it.
+sensor_msgs::CameraInfo messageOf(const YAML::Node& yaml) {
+  sensor_msgs::CameraInfo info;
+  info.width = need(yaml, "width").as<std::uint32_t>();
+  info.height = need(yaml, "height").as<std::uint32_t>();
+  info.distortion_model = need(yaml, "distortion_model").as<std::string>();
+  info.D = list(yaml, "D", 0);
+  const std::vector<double> k = list(yaml, "K", 9);
+  std::copy(k.begin(), k.end(), info.K.begin());
+  if (yaml["R"]) {
+    const std::vector<double> r = list(yaml, "R", 9);
+    std::copy(r.begin(), r.end(), info.R.begin());
+  }
+  if (yaml["P"]) {
+    const std::vector<double> p = list(yaml, "P", 12);
+    std::copy(p.begin(), p.end(), info.P.begin());
+  }
+  return info;
+}
+
+/// Whether a stereo calibration or a choice of the rectified image stands in R and P.
+bool hasRectification(const sensor_msgs::CameraInfo& info) {
+  const auto& r = info.R;
+  const auto& p = info.P;
+  if (p[0] == 0.0) return false;
+  const bool turned = r[1] != 0.0 || r[2] != 0.0 || r[5] != 0.0;
+  const bool other_view = p[0] != info.K[0] || p[5] != info.K[4] || p[2] != info.K[2] ||
+                          p[6] != info.K[5] || p[3] != 0.0 || p[7] != 0.0;
+  return turned || other_view;
+}
+
 /// The parser of ROS ends the process where a matrix has an unexpected size.
 void checkRosKeys(const std::string& text) {
   const YAML::Node yaml = YAML::Load(text);
@@ -51,19 +92,25 @@ void checkRosKeys(const std::string& text) {
 }  // namespace
 
 StoredCalibration parseRos(const std::string& text) {
-  checkRosKeys(text);
   sensor_msgs::CameraInfo info;
   StoredCalibration stored;
-  std::istringstream stream(text);
-  if (!camera_calibration_parsers::readCalibrationYml(stream, stored.name, info)) {
-    throw std::runtime_error("it is no calibration in the YAML format of ROS");
+  // rostopic ends a message with "---".
+  const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+  if (!documents.empty() && documents.front().IsMap() && documents.front()["K"]) {
+    info = messageOf(documents.front());
+  } else {
+    checkRosKeys(text);
+    std::istringstream stream(text);
+    if (!camera_calibration_parsers::readCalibrationYml(stream, stored.name, info)) {
+      throw std::runtime_error("it is no calibration in the YAML format of ROS");
+    }
   }
   const std::optional<Camera> camera = toCamera(info);
-  if (!camera) {
-    throw std::runtime_error("its distortion model '" + info.distortion_model +
-                             "' or its values cannot be used; plumb_bob and equidistant can");
-  }
-  stored.camera = *camera;
+  if (!camera) throw std::runtime_error(whyNoStart(info, CameraModel::kRadtan));
+  const Intrinsics& p = camera->parameters();
+  stored.camera = makeCamera(camera->model(), camera->width(), camera->height(),
+                             std::vector<double>(p.data(), p.data() + p.size()));
+  stored.rectified = hasRectification(info);
   return stored;
 }
 
@@ -83,7 +130,7 @@ StoredCalibration parsePlain(const std::string& text) {
   const std::optional<CameraModel> model = cameraModelFromString(name);
   if (!model) {
     throw std::runtime_error("the model '" + name +
-                             "' is not one of pinhole, fov, radtan, equidistant");
+                             "' is not one of pinhole, fov, radtan (or plumb_bob), equidistant");
   }
   return {{},
           makeCamera(*model, need(yaml, "width").as<int>(), need(yaml, "height").as<int>(),

@@ -16,6 +16,12 @@ std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index 
   return text;
 }
 
+std::string withoutStorageHeader(const std::string& text) {
+  if (text.compare(0, 6, "%YAML:") != 0) return text;
+  const std::size_t end = text.find('\n');
+  return end == std::string::npos ? std::string() : text.substr(end + 1);
+}
+
 Camera makeCamera(CameraModel model, int width, int height, const std::vector<double>& values) {
   if (width <= 0 || height <= 0) {
     throw std::runtime_error("the image size " + std::to_string(width) + " x " +
@@ -30,7 +36,11 @@ Camera makeCamera(CameraModel model, int width, int height, const std::vector<do
   const Camera camera(
       model, width, height,
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
-  if (!camera.valid()) {
+  // Focal lengths of no lens: a tenth of a pixel per image, or a thousand images.
+  const double least = 1e-3 * std::max(width, height);
+  const double most = 1e3 * std::max(width, height);
+  const auto plausible = [&](double f) { return f >= least && f <= most; };
+  if (!camera.valid() || !plausible(values[0]) || !plausible(values[1])) {
     throw std::runtime_error("its values are out of range: " +
                              listText(camera.parameters(), 0, camera.parameterCount()));
   }

@@ -13,6 +13,9 @@ std::string exactText(double value);
 /// "1, 2, 3" of `count` values from `first` on.
 std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index count);
 
+/// The text without the line "%YAML:1.0" of cv::FileStorage, which is no YAML.
+std::string withoutStorageHeader(const std::string& text);
+
 /// A camera from values read; throws std::runtime_error on a wrong count, a size that is not
 /// positive, or values out of range.
 Camera makeCamera(CameraModel model, int width, int height, const std::vector<double>& values);
@@ -29,9 +32,9 @@ std::string chosenName(const std::vector<std::string>& names, const std::string&
 StoredCalibration parseRos(const std::string& text);
 StoredCalibration parsePlain(const std::string& text);
 StoredCalibration parseKalibr(const std::string& text, const std::string& wanted);
-StoredCalibration parseOpenCv(const std::string& text);
+StoredCalibration parseOpenCv(const std::string& text, const std::string& wanted);
 StoredCalibration parseColmap(const std::string& text, const std::string& wanted);
-StoredCalibration parseOrbSlam3(const std::string& text);
+StoredCalibration parseOrbSlam3(const std::string& text, const std::string& wanted);
 StoredCalibration parseVins(const std::string& text);
 
 std::string rosText(const Camera& camera, const CalibrationLabels& labels);

@@ -2,14 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <memory>
-#include <opencv2/core/utils/logger.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
-#include <opencv2/videoio.hpp>
 #include <stdexcept>
 #include <vector>
+
+#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/ros/stamps.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -17,15 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDefaultRateHz = 30.0;
-// Stamps of images that carry none begin here, since 0 means "no time" in ROS.
-constexpr std::int64_t kFirstStampNs = 1000000000;
-
-GrayImage imageOf(cv::Mat gray, std::int64_t stamp_ns) {
-  const auto owner = std::make_shared<const cv::Mat>(std::move(gray));
-  return {ImageView{owner, owner->data, owner->cols, owner->rows, static_cast<int>(owner->step[0]),
-                    stamp_ns},
-          {}};
-}
 
 bool isImageFile(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -41,8 +34,38 @@ std::vector<fs::path> sortedImages(const fs::path& folder) {
   for (const auto& entry : fs::directory_iterator(folder)) {
     if (entry.is_regular_file() && isImageFile(entry.path())) files.push_back(entry.path());
   }
-  std::sort(files.begin(), files.end());
+  // img2 before img10, as people count.
+  std::sort(files.begin(), files.end(), [](const fs::path& a, const fs::path& b) {
+    return ::strverscmp(a.filename().c_str(), b.filename().c_str()) < 0;
+  });
   return files;
+}
+
+std::string orderText(const std::vector<fs::path>& files, double rate) {
+  if (files.empty()) return {};
+  constexpr std::size_t kNamed = 3;
+  std::string names;
+  for (std::size_t i = 0; i < std::min(kNamed, files.size()); ++i) {
+    names += (i > 0 ? ", " : "") + files[i].filename().string();
+  }
+  if (files.size() > kNamed) names += ", ..., " + files.back().filename().string();
+  return std::to_string(files.size()) + " images in the order " + names +
+         formatted(", taken as %g Hz, from 0 s on.", rate);
+}
+
+std::vector<std::uint8_t> bytesOf(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+GrayImage imageIn(const fs::path& file, std::int64_t stamp_ns, GrayConverter* converter) {
+  sensor_msgs::CompressedImage message;
+  message.header.stamp = toRosTime(stamp_ns);
+  message.format = file.extension().string();
+  message.data = bytesOf(file);
+  GrayImage image = converter->convert(message);
+  if (!image.view) image.error = file.string() + ": " + image.error;
+  return image;
 }
 
 /// The indices of the images of `total` that lie between start and start + duration.
@@ -65,7 +88,16 @@ IndexRange indexRange(const SourceOptions& options, double rate, std::int64_t to
 }
 
 std::int64_t stampOf(std::int64_t index, double rate) {
-  return kFirstStampNs + std::llround(static_cast<double>(index) * 1e9 / rate);
+  return std::llround(static_cast<double>(index) * 1e9 / rate);
+}
+
+/// A bag by another name would pass for a video of the JPEG pictures in it.
+bool beginsAsBag(const fs::path& path) {
+  const std::string expected = "#ROSBAG V";
+  std::string begin(expected.size(), '\0');
+  std::ifstream(path, std::ios::binary)
+      .read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  return begin == expected;
 }
 
 }  // namespace
@@ -77,52 +109,12 @@ ImageSource openFolder(const SourceOptions& options) {
   ImageSource source;
   source.name = options.path;
   source.count = range.end - range.begin;
-  source.next = [files, rate, range, index = range.begin]() mutable -> std::optional<GrayImage> {
+  source.description = orderText(*files, rate);
+  source.next = [files, rate, range, index = range.begin,
+                 converter = GrayConverter()]() mutable -> std::optional<GrayImage> {
     if (index >= range.end) return std::nullopt;
     const fs::path& file = (*files)[static_cast<std::size_t>(index)];
-    cv::Mat gray = cv::imread(file.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-    const std::int64_t stamp_ns = stampOf(index++, rate);
-    if (gray.empty()) return GrayImage{std::nullopt, file.string() + " is no readable image"};
-    return imageOf(std::move(gray), stamp_ns);
-  };
-  return source;
-}
-
-ImageSource openVideo(const SourceOptions& options) {
-  // Every backend that cannot open a file would say so at length.
-  cv::utils::logging::setLogLevel(cv::utils::logging::LOG_LEVEL_SILENT);
-  const auto video = std::make_shared<cv::VideoCapture>(options.path);
-  if (!video->isOpened()) {
-    throw std::runtime_error(options.path +
-                             " is neither a bag (*.bag), nor a folder of images, nor a video that "
-                             "this OpenCV can read");
-  }
-  const double own_rate = video->get(cv::CAP_PROP_FPS);
-  const double rate = options.rate > 0.0 ? options.rate
-                      : own_rate > 0.0   ? own_rate
-                                         : kDefaultRateHz;
-  const double total = std::max(0.0, video->get(cv::CAP_PROP_FRAME_COUNT));
-  // The count of a video is only an estimate: it serves for progress, the end is found by reading.
-  const IndexRange range = indexRange(options, rate, static_cast<std::int64_t>(total));
-  ImageSource source;
-  source.name = options.path;
-  source.count = range.end - range.begin;
-  const bool to_the_end = !(options.duration_seconds > 0.0);
-  const std::int64_t begin = indexRange(options, rate, INT64_MAX).begin;
-  const std::int64_t end = indexRange(options, rate, INT64_MAX).end;
-  source.next = [video, rate, begin, end, to_the_end,
-                 index = std::int64_t{0}]() mutable -> std::optional<GrayImage> {
-    cv::Mat frame;
-    do {
-      if ((!to_the_end && index >= end) || !video->read(frame)) return std::nullopt;
-    } while (index++ < begin);
-    cv::Mat gray;
-    if (frame.channels() == 1) {
-      gray = frame.clone();
-    } else {
-      cv::cvtColor(frame, gray, cv::COLOR_BGR2GRAY);
-    }
-    return imageOf(std::move(gray), stampOf(index - 1, rate));
+    return imageIn(file, stampOf(index++, rate), &converter);
   };
   return source;
 }
@@ -131,7 +123,7 @@ ImageSource openImages(const SourceOptions& options) {
   const fs::path path(options.path);
   if (!fs::exists(path)) throw std::runtime_error("there is no file or folder " + options.path);
   if (fs::is_directory(path)) return openFolder(options);
-  if (path.extension() == ".bag") return openBag(options);
+  if (path.extension() == ".bag" || beginsAsBag(path)) return openBag(options);
   return openVideo(options);
 }
 

@@ -1,6 +1,9 @@
 #include "opencv_storage.h"
 
+#include <climits>
+#include <cstdlib>
 #include <opencv2/core.hpp>
+#include <regex>
 #include <stdexcept>
 
 namespace camera_self_calibration {
@@ -16,9 +19,22 @@ double numberOf(const cv::FileNode& node, const std::string& key) {
   return node.real();
 }
 
+/// OpenCV takes the lowest 32 bits of an integer that has more.
+void refuseLongIntegers(const std::string& text) {
+  static const std::regex kLong(R"((^|[\s:,\[>])([-+]?0*[1-9]\d{9,})(?=[\s,\]<]|$))");
+  for (std::sregex_iterator it(text.begin(), text.end(), kLong), end; it != end; ++it) {
+    const std::string digits = (*it)[2];
+    const long long value = std::strtoll(digits.c_str(), nullptr, 10);
+    if (value > INT_MAX || value < INT_MIN) {
+      throw std::runtime_error("the number " + digits + " is too large");
+    }
+  }
+}
+
 }  // namespace
 
 OpenCvStorage::OpenCvStorage(const std::string& text) {
+  refuseLongIntegers(text);
   try {
     if (!storage_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY)) {
       throw std::runtime_error("it is no file of OpenCV's FileStorage");

@@ -7,6 +7,7 @@
 #include <iomanip>
 #include <stdexcept>
 
+#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/ros/messages.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/json.h"
@@ -80,6 +81,7 @@ void writePose(const TimedPose& pose, std::ostream& file) {
 /// TUM format, world_from_camera. The poses of different maps do not belong together, which a
 /// comment line tells.
 void writeTrajectory(const Recording& recording, bool keyframes_only, std::ostream& file) {
+  if (!recording.complete) file << "# " << kPartial << '\n';
   file << "# t[s] tx ty tz [map units: the scale is arbitrary] qx qy qz qw\n";
   bool any = false;
   std::uint64_t map_id = 0;
@@ -132,27 +134,41 @@ void writeCsvRow(const CalibrationReport& report, CameraModel model, std::ostrea
        << '\n';
 }
 
-void writeCalibrations(const fs::path& folder, const std::string& topic,
-                       const CalibrationReport& report) {
+std::vector<std::string> writeCalibrations(const fs::path& folder, const std::string& topic,
+                                           const Recording& recording) {
+  const CalibrationReport& report = recording.final_report;
   const fs::path ros_file = folder / "calibration.yaml";
   const fs::path kalibr_file = folder / "camchain.yaml";
   // An estimate that is not good enough must not be taken for a calibration, nor an older file for
   // the result of this run.
   fs::remove(ros_file);
   fs::remove(kalibr_file);
-  if (report.state != CalibrationState::kConverged) return;
-  writeRosCalibration(ros_file.string(), "camera", report.camera);
-  writeKalibrCalibration(kalibr_file.string(), topic, report.camera);
+  if (report.state != CalibrationState::kConverged) return {};
+  CalibrationLabels labels;
+  labels.topic = topic;
+  if (!recording.complete) labels.comment = kPartial;
+  std::vector<std::string> notes;
+  for (const auto& [file, format] : {std::pair{ros_file, CalibrationFormat::kRos},
+                                     std::pair{kalibr_file, CalibrationFormat::kKalibr}}) {
+    const CameraFit fit = writeCalibration(file.string(), report.camera, format, labels);
+    if (fit.error.max == 0.0) continue;
+    notes.push_back(formatted(
+        "%s holds an approximation, since %s has no %s lens like this: %s, off "
+        "by %.2g px rms, %.2g px at most.",
+        file.filename().c_str(), toString(format).c_str(), toString(report.camera.model()).c_str(),
+        toString(fit.camera.model()).c_str(), fit.error.rms, fit.error.max));
+  }
+  return notes;
 }
 
 }  // namespace
 
 std::string summaryJson(const Recording& recording, const std::vector<json::Member>& extra) {
   const CalibrationReport& report = recording.final_report;
-  const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
   const auto count = [](auto n) { return json::number(static_cast<std::int64_t>(n)); };
   std::vector<json::Member> members = {
       {"state", json::string(toString(report.state))},
+      {"complete", recording.complete ? "true" : "false"},
       {"sentence", json::string(report.sentence)},
       {"hint", json::string(report.hint)},
       {"camera", cameraJson(report)},
@@ -160,8 +176,6 @@ std::string summaryJson(const Recording& recording, const std::vector<json::Memb
                                           {"max", json::number(report.uncertainty.max)}})},
       {"frames", count(recording.frames)},
       {"keyframes", count(recording.keyframes)},
-      {"processing_seconds", json::number(recording.processing_seconds)},
-      {"frames_per_second", json::number(rate)},
       {"queue", json::object({{"segments", count(report.queue.segments.size())},
                               {"swaps", count(report.queue.swaps)}})},
       {"models", modelsJson(report.models)},
@@ -170,8 +184,16 @@ std::string summaryJson(const Recording& recording, const std::vector<json::Memb
   return json::object(members) + "\n";
 }
 
-void writeRecording(const std::string& folder, const std::string& topic, const Recording& recording,
-                    const std::vector<json::Member>& extra) {
+std::string timingJson(const Recording& recording) {
+  const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
+  return json::object({{"processing_seconds", json::number(recording.processing_seconds)},
+                       {"frames_per_second", json::number(rate)}}) +
+         "\n";
+}
+
+std::vector<std::string> writeRecording(const std::string& folder, const std::string& topic,
+                                        const Recording& recording,
+                                        const std::vector<json::Member>& extra) {
   const fs::path path(folder);
   writeFile(path / "trajectory.tum",
             [&](std::ostream& file) { writeTrajectory(recording, false, file); });
@@ -182,9 +204,11 @@ void writeRecording(const std::string& folder, const std::string& topic, const R
     for (const CalibrationReport& report : recording.reports)
       writeCsvRow(report, recording.final_report.camera.model(), file);
   });
-  writeCalibrations(path, topic, recording.final_report);
+  const std::vector<std::string> notes = writeCalibrations(path, topic, recording);
   writeFile(path / "summary.json",
             [&](std::ostream& file) { file << summaryJson(recording, extra); });
+  writeFile(path / "timing.json", [&](std::ostream& file) { file << timingJson(recording); });
+  return notes;
 }
 
 }  // namespace camera_self_calibration

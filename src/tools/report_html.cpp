@@ -52,7 +52,7 @@ double secondsOf(const Recording& recording) {
 std::string verdictSentence(const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
   if (report.state != CalibrationState::kConverged) {
-    return report.sentence + (report.hint.empty() ? "" : " - " + report.hint);
+    return asSentence(report.sentence) + " " + asSentence(report.hint);
   }
   const int digits = decimalsFor(report.uncertainty.rms);
   return "The " + toString(report.camera.model()) + " lens is known to " +
@@ -74,14 +74,13 @@ void addHead(const std::string& source_name, const Recording& recording, HtmlPag
   const CalibrationReport& report = recording.final_report;
   page->verdict(toString(report.state), cssColour(stateColour(report.state)),
                 verdictSentence(recording));
+  if (!recording.complete) page->paragraph(kPartial);
   page->paragraph("Source: " + source_name + ". Camera model: " + modelText(report.camera) + ".");
-  const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
   page->figures({{number(report.uncertainty.rms, 3) + " px", "expected error, rms"},
                  {number(report.uncertainty.max, 3) + " px", "expected error, worst place"},
                  {std::to_string(recording.frames), "images"},
                  {std::to_string(recording.keyframes), "keyframes"},
-                 {std::to_string(observationsOf(recording)), "observations in the queue"},
-                 {number(rate, 0) + " /s", "images processed"}});
+                 {std::to_string(observationsOf(recording)), "observations in the queue"}});
 }
 
 const Camera* sameModel(const std::optional<Camera>& reference, const Camera& camera) {

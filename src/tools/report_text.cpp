@@ -4,6 +4,8 @@
 #include <iomanip>
 #include <sstream>
 
+#include "camera_self_calibration/geometry/formatted.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -27,8 +29,9 @@ void writeParameters(const CalibrationReport& report, std::ostream& text) {
 std::string reportText(const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
   std::ostringstream text;
-  text << toString(report.state) << ": " << report.sentence << '\n';
-  if (!report.hint.empty()) text << report.hint << '\n';
+  if (!recording.complete) text << kPartial << '\n';
+  text << toString(report.state) << ": " << asSentence(report.sentence) << '\n';
+  if (!report.hint.empty()) text << asSentence(report.hint) << '\n';
   text << toString(report.camera.model()) << ", " << report.camera.width() << "x"
        << report.camera.height() << '\n';
   writeParameters(report, text);

@@ -2,10 +2,33 @@
 
 #include <ros/ros.h>
 
+#include <cstring>
+#include <iostream>
+
 #include "camera_self_calibration/tools/simulated_camera.h"
+
+namespace {
+
+constexpr const char* kUsage =
+    "Renders a room and publishes it as an ordinary camera, with the truth beside it. Needs a ROS "
+    "master.\n"
+    "\n"
+    "  simulated_camera [_PARAMETER:=VALUE ...]\n"
+    "\n"
+    "Parameters: model, intrinsics, width, height, rate [Hz], duration [s], readout [s],\n"
+    "exposure [s], motion (handheld, planar, yaw_driving, rotation_only, forward_only,\n"
+    "sideways_only, still), trajectory (TUM file), speed, seed, frame_id, publish_clock, "
+    "wait_for.\n"
+    "Topics: image_raw, camera_info, truth/camera_info, truth/calibration, truth/pose.\n";
+
+}  // namespace
 
 int main(int argc, char** argv) {
   using namespace camera_self_calibration;
+  if (argc > 1 && (std::strcmp(argv[1], "--help") == 0 || std::strcmp(argv[1], "-h") == 0)) {
+    std::cout << kUsage;
+    return 0;
+  }
   ros::init(argc, argv, "simulated_camera");
   const ros::NodeHandle node;
   try {

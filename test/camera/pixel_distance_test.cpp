@@ -193,14 +193,13 @@ TEST(PixelDifference, AddsUpToTheDistance) {
   const PixelDifference difference = pixelDifference(a, b);
   double sum = 0.0;
   double largest = 0.0;
-  for (const auto& point : difference.points) {
-    sum += point.offset.squaredNorm();
-    largest = std::max(largest, point.offset.norm());
-  }
+  for (const auto& sample : difference.samples) sum += sample.offset.squaredNorm();
+  for (const auto& point : difference.points) largest = std::max(largest, point.offset.norm());
   EXPECT_EQ(difference.points.size(), 1200u);
   EXPECT_EQ(difference.refused, 0);
-  EXPECT_NEAR(std::sqrt(sum / 1200.0), pixelDistance(a, b).rms, 1e-9);
-  EXPECT_NEAR(largest, pixelDistance(a, b).max, 1e-9);
+  EXPECT_NEAR(std::sqrt(sum / static_cast<double>(difference.samples.size())), difference.error.rms,
+              1e-9);
+  EXPECT_NEAR(largest, difference.error.max, 1e-9) << "in a corner";
   // Five pixels of the principal point are mostly a rotation by 5 / 420.
   EXPECT_NEAR(difference.rotation_deg, 5.0 / 420.0 * 180.0 / M_PI, 0.1);
 }
@@ -222,6 +221,22 @@ TEST(PixelDistance, RadiusLimitsTheGrid) {
   EXPECT_LT(pixelDistance(a, b, 150.0).max, 0.1 * pixelDistance(a, b).max);
   EXPECT_TRUE(std::isinf(pixelDistance(a, b, -1.0).rms));
   EXPECT_TRUE(std::isinf(pixelDistance(Camera(), b).rms));
+}
+
+TEST(PixelDifference, IsTheMeanOverAllPixels) {
+  const Camera a = camera640(CameraModel::kPinhole, {300, 300, 319.5, 239.5});
+  const Camera b = camera640(CameraModel::kPinhole, {303, 303, 319.5, 239.5});
+  // The offset is 1 % of the distance from the centre, which no rotation changes by much.
+  double sum = 0.0;
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x)
+      sum += 1e-4 * (Eigen::Vector2d(x, y) - Eigen::Vector2d(319.5, 239.5)).squaredNorm();
+  }
+  const double over_all_pixels = std::sqrt(sum / (640 * 480));
+  const PixelDifference difference = pixelDifference(a, b);
+  EXPECT_NEAR(difference.error.rms, over_all_pixels, 1e-3 * over_all_pixels);
+  EXPECT_NEAR(difference.error.max, 0.01 * std::hypot(319.5, 239.5), 1e-6) << "in the corner";
+  EXPECT_GT(pixelDistance(a, b).rms, 1.02 * over_all_pixels) << "else this tests nothing";
 }
 
 }  // namespace

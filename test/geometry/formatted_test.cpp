@@ -18,5 +18,13 @@ TEST(Formatted, CutsNothingOff) {
   EXPECT_EQ(formatted("%.1f", 1e300).size(), 303u);
 }
 
+TEST(Formatted, BecomesASentence) {
+  EXPECT_EQ(asSentence(""), "");
+  EXPECT_EQ(asSentence("not saved: the disk is full"), "Not saved: the disk is full.");
+  EXPECT_EQ(asSentence("Is it so?"), "Is it so?");
+  EXPECT_EQ(asSentence("/tmp/x cannot be read"), "/tmp/x cannot be read.");
+  EXPECT_EQ(asSentence("camera_info stays zero"), "camera_info stays zero.");
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

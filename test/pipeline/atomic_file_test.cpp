@@ -1,9 +1,12 @@
 #include "camera_self_calibration/pipeline/atomic_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <string>
 
@@ -56,6 +59,19 @@ TEST_F(AtomicFile, SaysWhyItCannotWrite) {
   EXPECT_NE(writeFileAtomically(folder_ / "folder", "y").find("folder"), std::string::npos);
   EXPECT_EQ(files(), 2) << "nothing is left beside it";
   EXPECT_FALSE(readFile(folder_ / "folder").error.empty());
+}
+
+// As without permission, which tests that run as root cannot be denied.
+TEST_F(AtomicFile, SaysWhyItCannotRead) {
+  ASSERT_EQ(writeFileAtomically(folder_ / "file", "x"), "");
+  rlimit before = {};
+  getrlimit(RLIMIT_NOFILE, &before);
+  const rlimit none = {0, before.rlim_max};
+  setrlimit(RLIMIT_NOFILE, &none);
+  const FileContents contents = readFile(folder_ / "file");
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_TRUE(contents.exists);
+  EXPECT_NE(contents.error.find(std::strerror(EMFILE)), std::string::npos) << contents.error;
 }
 
 // A disk that is full: the old contents stay.

@@ -29,7 +29,7 @@ TEST(Options, EachViolationIsNamed) {
     EXPECT_EQ(problemsNaming(options, name), 1) << name;
   };
   expectNamed("max_features", [](Options* o) { o->tracker.max_features = 0; });
-  expectNamed("min_parallax", [](Options* o) { o->keyframe.min_parallax = -1.0; });
+  expectNamed("keyframe_min_parallax", [](Options* o) { o->keyframe.min_parallax = -1.0; });
   expectNamed("sliding_window_keyframes", [](Options* o) { o->sliding_window_keyframes = 1; });
   expectNamed("segment_keyframes", [](Options* o) { o->segment_keyframes = 2; });
   expectNamed("queue_segments", [](Options* o) { o->queue_segments = 0; });
@@ -43,13 +43,17 @@ TEST(Options, EachViolationIsNamed) {
   expectNamed("solver_threads", [](Options* o) { o->solver_threads = 0; });
   expectNamed("relocalization_keyframes", [](Options* o) { o->relocalization_keyframes = -1; });
   expectNamed("max_queued_images", [](Options* o) { o->max_queued_images = 0; });
+  expectNamed("solver_threads", [](Options* o) { o->solver_threads = 100000; });
+  expectNamed("max_queued_images", [](Options* o) { o->max_queued_images = 1000000000; });
+  expectNamed("queue_segments", [](Options* o) { o->queue_segments = 1000000000; });
+  expectNamed("rolling_shutter", [](Options* o) { o->readout_s = 5.0; });
   expectNamed("fix_intrinsics", [](Options* o) { o->fix_intrinsics = true; });  // which?
   const Camera pinhole = camera640(CameraModel::kPinhole, {300, 300, 320, 240});
-  expectNamed("initial_camera", [&](Options* o) { o->initial_camera = pinhole; });  // not a fov
-  expectNamed("initial_camera", [](Options* o) {
+  expectNamed("initial intrinsics", [&](Options* o) { o->initial_camera = pinhole; });  // not a fov
+  expectNamed("initial intrinsics", [](Options* o) {
     o->initial_camera = Camera(CameraModel::kFov, 0, 0, intrinsics({300, 300, 320, 240, 1}));
   });
-  expectNamed("initial_camera", [](Options* o) {
+  expectNamed("initial intrinsics", [](Options* o) {
     o->initial_camera = camera640(CameraModel::kFov, {-300, 300, 320, 240, 1});
   });
 }

@@ -163,5 +163,22 @@ TEST(Restore, OfAnotherSizeOrModelIsRefusedInWords) {
   EXPECT_THROW(other.restore(std::make_shared<LearntState>()), std::invalid_argument);
 }
 
+TEST(Restore, WhereTheModelIsChosenAStateOfAnyModelIsConfirmed) {
+  for (const Camera& truth : ordinaryCameras()) {
+    const auto state = learn(truth);
+    Options options;
+    options.choose_model = true;
+    TrackRunOptions later;
+    later.seed = 13;
+    TrackRun run(truth, options, later);
+    run.calibrator().restore(state);
+    run.seek(kLaterFrames);
+    for (int i = 0; i < 600 && run.record.count(EventType::kHandover) == 0; ++i) run.step();
+    EXPECT_EQ(run.record.count(EventType::kHandover), 1) << toString(truth.model());
+    EXPECT_EQ(run.record.count(EventType::kCalibrationChange), 0) << toString(truth.model());
+    EXPECT_LT(pixelDistance(truth, run.report().camera).rms, 1.0);
+  }
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

@@ -55,7 +55,7 @@ TEST(CalibrationSession, NumbersGoOnWhenItBeginsAnew) {
 TEST(CalibrationSession, SaysWhyItCannotBegin) {
   CalibrationSession session{Options(), Callbacks()};
   const Camera wrong_model = Camera::defaultGuess(CameraModel::kPinhole, 640, 480);
-  EXPECT_NE(session.start(wrong_model).find("initial_camera"), std::string::npos);
+  EXPECT_NE(session.start(wrong_model).find("initial intrinsics"), std::string::npos);
   EXPECT_FALSE(session.running());
 }
 

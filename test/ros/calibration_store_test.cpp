@@ -1,9 +1,14 @@
 #include "camera_self_calibration/ros/calibration_store.h"
 
+#include <camera_calibration_parsers/parse_yml.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <filesystem>
+#include <functional>
+#include <limits>
+#include <sstream>
 
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
@@ -110,6 +115,31 @@ TEST_F(CalibrationStoreTest, WhatDoesNotFitIsNamedAndNeverWrittenOver) {
   }
 }
 
+// A good file of the right camera, of which a single value is of no use to this program.
+TEST_F(CalibrationStoreTest, WhatIsRefusedAsAStartIsNeverWrittenOver) {
+  sensor_msgs::CameraInfo unknown = info();
+  unknown.distortion_model = "brown_conrady";
+  sensor_msgs::CameraInfo no_number = info();
+  no_number.K[0] = std::numeric_limits<double>::quiet_NaN();
+  sensor_msgs::CameraInfo negative = info();
+  negative.K[0] = -300.0;
+  sensor_msgs::CameraInfo bent = info();
+  bent.D[0] = std::numeric_limits<double>::quiet_NaN();
+  sensor_msgs::CameraInfo uncalibrated = uncalibratedCameraInfo(640, 480);
+  for (const auto& given : {unknown, no_number, negative, bent, uncalibrated}) {
+    std::ostringstream text;
+    ASSERT_TRUE(camera_calibration_parsers::writeCalibrationYml(text, "eye", given));
+    ASSERT_EQ(writeFileAtomically(options_.calibration_file, text.str()), "");
+    CalibrationStore store(options_);
+    const auto loaded = store.load(CameraModel::kFov, 640, 480);
+    EXPECT_FALSE(loaded.camera);
+    ASSERT_EQ(loaded.problems.size(), 1u);
+    EXPECT_NE(loaded.problems[0].find("left untouched"), std::string::npos) << loaded.problems[0];
+    EXPECT_FALSE(store.save(smallState(kFov, 1), info()).success);
+    EXPECT_EQ(readFile(options_.calibration_file).bytes, text.str());
+  }
+}
+
 TEST_F(CalibrationStoreTest, WhatWasLearntOfAnotherLensIsKept) {
   CalibrationStore store(options_);
   ASSERT_TRUE(store.save(smallState(kFov, 0), info()).success);
@@ -123,6 +153,21 @@ TEST_F(CalibrationStoreTest, WhatWasLearntOfAnotherLensIsKept) {
   store.beginAnew();
   ASSERT_TRUE(store.save(smallState(kFov, 1), info()).success);
   EXPECT_EQ(readFile(options_.state_file + ".previous").bytes, second);
+}
+
+TEST_F(CalibrationStoreTest, WhatIsGivenIsTheNextStart) {
+  CalibrationStore store(options_);
+  ASSERT_TRUE(store.save(smallState(kFov, 0), info()).success);
+  const Camera given = camera640(CameraModel::kEquidistant, {350, 351, 320, 240, 0, 0, 0, 0});
+  const auto outcome = store.saveGiven(CameraModel::kFov, toCameraInfo(given)->info);
+  EXPECT_TRUE(outcome.success) << outcome.message;
+  const auto loaded = load(options_);
+  EXPECT_FALSE(loaded.state) << "what was learnt before is not preferred";
+  EXPECT_TRUE(readFile(options_.state_file + ".previous").exists);
+  ASSERT_TRUE(loaded.camera);
+  EXPECT_LT(pixelDistance(given, *loaded.camera).rms, 1.0);
+  StoreOptions nowhere;
+  EXPECT_FALSE(CalibrationStore(nowhere).saveGiven(CameraModel::kFov, info()).success);
 }
 
 TEST_F(CalibrationStoreTest, SaysWhereItCannotWrite) {
@@ -149,6 +194,34 @@ TEST(CameraStart, IsExactWhereTheModelsAgree) {
   EXPECT_EQ(wider->camera.parameters().head<4>(), pinhole.parameters());
   EXPECT_FALSE(startFrom(sensor_msgs::CameraInfo(), CameraModel::kFov));
   EXPECT_FALSE(startFrom(uncalibratedCameraInfo(640, 480), CameraModel::kFov));
+}
+
+// fov sees nothing at 90 degrees from the axis or beyond, as the corners of this fisheye do.
+TEST(CameraStart, ReachesTheWholeImageOrIsNone) {
+  const Camera fisheye = camera640(CameraModel::kEquidistant, {200, 200, 320, 240, 0, 0, 0, 0});
+  const auto fit = fitCamera(fisheye, CameraModel::kPinhole);
+  ASSERT_FALSE(fit && std::isfinite(fit->error.max)) << "else this tests nothing";
+  EXPECT_FALSE(startFrom(toCameraInfo(fisheye)->info, CameraModel::kPinhole));
+  EXPECT_NE(whyNoStart(toCameraInfo(fisheye)->info, CameraModel::kPinhole).find("whole image"),
+            std::string::npos);
+}
+
+TEST(CameraStart, EveryRefusalHasItsReason) {
+  const sensor_msgs::CameraInfo good = toCameraInfo(kFov)->info;
+  const auto why = [&good](const std::function<void(sensor_msgs::CameraInfo*)>& spoil) {
+    sensor_msgs::CameraInfo info = good;
+    spoil(&info);
+    EXPECT_FALSE(startFrom(info, CameraModel::kFov));
+    return whyNoStart(info, CameraModel::kFov);
+  };
+  using Info = sensor_msgs::CameraInfo;
+  EXPECT_NE(why([](Info* i) { i->width = 0; }).find("size"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->K.assign(0.0); }).find("uncalibrated"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->K[0] = -300.0; }).find("positive"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->D[1] = std::nan(""); }).find("numbers"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->distortion_model = "fov"; }).find("'fov'"), std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->D.resize(3); }).find("has 4 coefficients, but it holds 3"),
+            std::string::npos);
 }
 
 }  // namespace

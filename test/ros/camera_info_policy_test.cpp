@@ -153,5 +153,32 @@ TEST(CameraInfoPolicy, AnInheritedCalibrationHoldsUntilThereIsAnEstimateOrAChang
   EXPECT_EQ(publishedFocalLength(policy), 0.0) << "another lens";
 }
 
+TEST(CameraInfoPolicy, WhatIsGivenIsValidAtOnceAndJudgedByTheImages) {
+  CameraInfoPolicy policy{CameraInfoOptions()};
+  policy.update(report(CalibrationState::kConverged, 400.0));
+  const Camera given = report(CalibrationState::kConverged, 500.0).camera;
+  sensor_msgs::CameraInfo message = toCameraInfo(given)->info;
+  message.P[3] = -50.0;  // of a stereo pair
+  policy.accept(given, message);
+  EXPECT_EQ(publishedFocalLength(policy), 500.0);
+  EXPECT_EQ(policy.infoFor(std_msgs::Header(), 640, 480).P[3], -50.0) << "as it is";
+  EXPECT_TRUE(policy.state().given);
+  // The last report from before the reset, and the first ones after it.
+  policy.update(report(CalibrationState::kConverged, 400.0));
+  EXPECT_EQ(publishedFocalLength(policy), 500.0);
+  policy.update(report(CalibrationState::kInitializing, 500.0));
+  EXPECT_EQ(publishedFocalLength(policy), 500.0);
+  CalibrationReport estimate = report(CalibrationState::kConverged, 505.0);
+  estimate.uncertainty = {0.1, 0.2};
+  EXPECT_NE(policy.update(estimate).find("off by"), std::string::npos);
+  EXPECT_EQ(publishedFocalLength(policy), 505.0);
+  EXPECT_FALSE(policy.state().given);
+
+  policy.accept(given, message);
+  policy.forget();
+  policy.update(report(CalibrationState::kInitializing, 500.0));
+  EXPECT_EQ(publishedFocalLength(policy), 0.0) << "a reset ends it";
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

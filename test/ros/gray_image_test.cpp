@@ -215,5 +215,17 @@ TEST(GrayImage, RefusesDamagedCompressedImages) {
             std::string::npos);
 }
 
+TEST(GrayImage, ThePreviewOfAJpegIsNotTakenForItsEnd) {
+  cv::Mat noise(48, 64, CV_8UC1);
+  cv::randu(noise, 0, 255);
+  sensor_msgs::CompressedImage message;
+  cv::imencode(".jpg", noise, message.data);
+  const std::vector<std::uint8_t> preview = {0xFF, 0xE1, 0, 6, 0xFF, 0xD9, 0, 0};
+  message.data.insert(message.data.begin() + 2, preview.begin(), preview.end());
+  EXPECT_TRUE(GrayConverter().convert(message).view);
+  message.data.resize(message.data.size() / 2);
+  EXPECT_NE(GrayConverter().convert(message).error.find("truncated"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

@@ -83,6 +83,10 @@ TEST(InputMonitor, ImagesWithoutAStampAreNamed) {
   InputMonitor monitor;
   EXPECT_EQ(monitor.check(image(0.0)), InputVerdict::kReject);
   EXPECT_NE(monitor.counts().last_problem.find("stamp"), std::string::npos);
+  InputMonitor of_video;
+  of_video.takeZeroAsTime();
+  EXPECT_EQ(of_video.check(image(0.0)), InputVerdict::kUse);
+  EXPECT_EQ(of_video.check(image(0.1)), InputVerdict::kUse);
 }
 
 TEST(InputMonitor, CountsImagesThatDidNotArriveAtAnyRate) {

@@ -152,6 +152,21 @@ TEST_F(Inputs, ABurstIsThinnedOutAndTheNewestImageComesThrough) {
   EXPECT_TRUE(said) << diagnosis(diagnostics_, "busy: timing");
 }
 
+TEST_F(Inputs, TwoCamerasOnOneTopicAreNamed) {
+  ros::Publisher images = node_.advertise<sensor_msgs::Image>("/twin/image_raw", 20);
+  ASSERT_TRUE(spinUntil([&] { return images.getNumSubscribers() > 0; }, 20.0));
+  double seconds = 100.0;
+  const bool said = spinUntil(
+      [&] {
+        images.publish(picture(seconds += 0.05, 64, 48));
+        const std::string text = diagnosis(diagnostics_, "shared: timing");
+        return text.find(ros::this_node::getName()) != std::string::npos &&
+               text.find("/second_camera") != std::string::npos;
+      },
+      20.0);
+  EXPECT_TRUE(said) << diagnosis(diagnostics_, "shared: timing");
+}
+
 TEST_F(Inputs, ANodeDoesNotListenToItself) {
   EXPECT_TRUE(diagnosed("loop: tracking", "2 Idle"));
   EXPECT_TRUE(diagnosed("loop: tracking", "/loop/image_raw"));

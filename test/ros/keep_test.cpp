@@ -3,17 +3,17 @@
 
 #include <camera_info_manager/camera_info_manager.h>
 #include <camera_self_calibration/SetScale.h>
-#include <diagnostic_msgs/DiagnosticArray.h>
 #include <gtest/gtest.h>
 #include <ros/callback_queue.h>
 #include <ros/spinner.h>
 #include <sensor_msgs/SetCameraInfo.h>
 #include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 #include <yaml-cpp/yaml.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <thread>
 
@@ -23,6 +23,7 @@
 #include "camera_self_calibration/ros/calibration_url.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "ros/robot.h"
+#include "ros/service_calls.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -35,17 +36,6 @@ constexpr int kImages = 600;
 std::string rosHome() { return std::getenv("ROS_HOME"); }
 std::string statePath() { return rosHome() + "/states/left_eye.state"; }
 std::string calibrationPath() { return rosHome() + "/calibrations/left_eye.yaml"; }
-
-struct Answer {
-  bool success = false;
-  std::string message;
-};
-
-Answer trigger(const std::string& service) {
-  std_srvs::Trigger call;
-  if (!ros::service::call(service, call)) return {false, "the call failed"};
-  return {static_cast<bool>(call.response.success), call.response.message};
-}
 
 Answer freeze(bool data) {
   std_srvs::SetBool call;
@@ -66,11 +56,6 @@ Answer setCameraInfo(const sensor_msgs::CameraInfo& info) {
   call.request.camera_info = info;
   if (!ros::service::call("/selfcal/set_camera_info", call)) return {false, "the call failed"};
   return {static_cast<bool>(call.response.success), call.response.status_message};
-}
-
-void expectSays(const Answer& answer, bool success, const std::string& word) {
-  EXPECT_EQ(answer.success, success) << answer.message;
-  EXPECT_NE(answer.message.find(word), std::string::npos) << answer.message;
 }
 
 /// A camera driver with the service set_camera_info, on a thread of its own.
@@ -209,7 +194,9 @@ TEST_F(KeepRun, FreezesAndScales) {
   const std::uint64_t revision = robot_->calibration.messages.back()->revision;
   const std::uint64_t map_id = robot_->status.messages.back()->map_id;
   expectSays(setScale(3.0), true, "map_id");
-  expectSays(setScale(-3.0), false, "positive");
+  for (const double wrong : {-3.0, 0.0, 1e-320, 1e300, HUGE_VAL, std::nan("")}) {
+    expectSays(setScale(wrong), false, "between");
+  }
   const std::size_t reports = robot_->calibration.messages.size();
   ASSERT_TRUE(
       robot_->stepUntil([&] { return robot_->calibration.messages.size() > reports + 4; }, 120));
@@ -231,6 +218,13 @@ TEST_F(KeepRun, DumpsAReport) {
   EXPECT_EQ(report["covariance"].size(), 25u);
   EXPECT_GE(report["queue"]["segments"].size(), 2u);
   EXPECT_LT(report["pixel_uncertainty_rms_px"].as<double>(), 1.0);
+  expectSays(trigger("/selfcal/dump_report"), true, "report_left_eye.yaml");
+  // What is no report is not replaced by one.
+  const std::string foreign = "camera_name: left_eye\n";
+  ASSERT_EQ(writeFileAtomically(rosHome() + "/report_left_eye.yaml", foreign), "");
+  expectSays(trigger("/selfcal/dump_report"), false, "left untouched");
+  EXPECT_EQ(readFile(rosHome() + "/report_left_eye.yaml").bytes, foreign);
+  std::filesystem::remove(rosHome() + "/report_left_eye.yaml");
 }
 
 TEST_F(KeepRun, TheNextStartIsConvergedAtOnceAndConfirmed) {
@@ -278,8 +272,17 @@ TEST_F(KeepRun, BeginsAnewOnRequest) {
   sensor_msgs::CameraInfo info = *robot_->camera_info.messages.back();
   info.width = 640;
   expectSays(setCameraInfo(info), false, "640 x 240");
+  info.distortion_model = "brown_conrady";
   info.width = 320;
-  expectSays(setCameraInfo(info), true, "learning begins");
+  expectSays(setCameraInfo(info), false, "'brown_conrady'");
+  info.distortion_model = robot_->camera_info.messages.back()->distortion_model;
+  info.width = 320;
+  info.K[0] += 0.25;
+  expectSays(setCameraInfo(info), true, "valid at once");
+  ASSERT_TRUE(robot_->step());
+  EXPECT_EQ(robot_->camera_info.messages.back()->K, info.K);
+  EXPECT_NE(readFile(calibrationPath()).bytes.find(YAML::Dump(YAML::Node(info.K[0]))),
+            std::string::npos);
   const std::size_t reports = robot_->calibration.messages.size();
   ASSERT_TRUE(robot_->stepUntil([&] { return robot_->calibration.messages.size() > reports; }, 5));
   const Calibration start = *robot_->calibration.messages.back();
@@ -288,44 +291,10 @@ TEST_F(KeepRun, BeginsAnewOnRequest) {
   expectSays(trigger("/selfcal/reset"), true, "forgotten");
   ASSERT_TRUE(robot_->stepUntil(
       [&] { return robot_->calibration.messages.back()->values[0] == 160.0; }, 5));
+  ASSERT_TRUE(robot_->step());
+  EXPECT_EQ(robot_->camera_info.messages.back()->K[0], 0.0);
   EXPECT_FALSE(robot_->calibration.messages.back()->handed_over);
   ASSERT_TRUE(unloadNodelet("/selfcal"));
-}
-
-// Files that are damaged, or not of this program.
-TEST(Keep, SpoiltFilesAreRefusedInWordsAndLeftUntouched) {
-  const std::string state = "not a state at all\n";
-  const std::string calibration = "camera_name: [\n";
-  ASSERT_EQ(writeFileAtomically(rosHome() + "/spoilt.state", state), "");
-  ASSERT_EQ(writeFileAtomically(rosHome() + "/spoilt.yaml", calibration), "");
-  Recorder<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
-  ASSERT_TRUE(loadNodelet("/spoilt", kTopic));
-  Robot robot(kLens, 1, 4000.0, "/spoilt");
-  ASSERT_TRUE(robot.connected());
-  ASSERT_TRUE(robot.stepUntil([&] { return robot.converged(); }, kImages));
-  ASSERT_TRUE(robot.step());
-  const auto said = [&](const std::string& word) {
-    return spinUntil(
-        [&] {
-          for (const auto& array : diagnostics.messages) {
-            for (const auto& status : array->status) {
-              if (status.name.find("spoilt") != std::string::npos &&
-                  status.message.find(word) != std::string::npos) {
-                return true;
-              }
-            }
-          }
-          return false;
-        },
-        10.0);
-  };
-  EXPECT_TRUE(said("spoilt.state is not used"));
-  EXPECT_TRUE(said("spoilt.yaml is not used"));
-  expectSays(trigger("/spoilt/save"), false, "left untouched");
-  EXPECT_EQ(readFile(rosHome() + "/spoilt.state").bytes, state);
-  EXPECT_EQ(readFile(rosHome() + "/spoilt.yaml").bytes, calibration);
-  ASSERT_TRUE(unloadNodelet("/spoilt"));
-  EXPECT_EQ(readFile(rosHome() + "/spoilt.state").bytes, state) << "saved at the end";
 }
 
 }  // namespace

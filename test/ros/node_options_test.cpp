@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+
+#include "camera_self_calibration/ros/calibration_keeper.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -57,6 +60,35 @@ TEST(NodeOptions, StartValuesMustMatchTheModel) {
   EXPECT_TRUE(options.problems().empty());
   options.initial_intrinsics.assign(5, 1.0);
   EXPECT_TRUE(mentions(options.problems(), "initial_intrinsics"));
+}
+
+TEST(NodeOptions, StartValuesMustBeIntrinsics) {
+  NodeOptions options;
+  options.initial_intrinsics = {300.0, 300.0, 320.0, 240.0, 0.9};
+  EXPECT_TRUE(options.problems().empty());
+  options.initial_intrinsics[0] = -300.0;
+  EXPECT_TRUE(mentions(options.problems(), "initial_intrinsics"));
+  options.initial_intrinsics[0] = std::nan("");
+  EXPECT_TRUE(mentions(options.problems(), "initial_intrinsics"));
+}
+
+TEST(NodeOptions, NoTwoFilesAreOne) {
+  NodeOptions options;
+  options.camera_info_url = "file:///tmp/selfcal.yaml";
+  options.state_file = "/tmp/selfcal.state";
+  options.report_file = "/tmp/report.yaml";
+  EXPECT_TRUE(sameFileProblems(options, "/selfcal").empty());
+  options.report_file = "/tmp/../tmp/${NAME}.yaml";
+  EXPECT_TRUE(mentions(sameFileProblems(options, "/selfcal"), "report_file"));
+  EXPECT_TRUE(sameFileProblems(options, "/other").empty());
+  options.report_file = "/tmp/selfcal.state.previous";
+  EXPECT_TRUE(mentions(sameFileProblems(options, "/selfcal"), ".previous"));
+  options.state_file = options.report_file = "file:///tmp/selfcal.yaml";
+  EXPECT_EQ(sameFileProblems(options, "/selfcal").size(), 3u);
+  // Without a URL ~save writes to camera_info_manager's own place.
+  options = NodeOptions();
+  options.report_file = "camera_info/${NAME}.yaml";
+  EXPECT_EQ(sameFileProblems(options, "/selfcal").size(), 1u);
 }
 
 TEST(NodeOptions, FramesMustDiffer) {

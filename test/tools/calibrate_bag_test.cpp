@@ -14,6 +14,7 @@
 
 #include "camera_self_calibration/simulation/sequence_writer.h"
 #include "camera_self_calibration/simulation/tum_file.h"
+#include "tools/child_program.h"
 #include "tools/small_sequence.h"
 #include "tools/temporary_folder.h"
 
@@ -56,7 +57,8 @@ struct ConvergedRun {
 
   ConvergedRun() {
     writeBag(folder / "room.bag", "/camera/image_raw/compressed", truth);
-    outcome = calibrateBag((folder / "room.bag") + " --model fov --out " + (folder / "out"));
+    outcome =
+        calibrateBag((folder / "room.bag") + " --model fov --report --out " + (folder / "out"));
   }
   std::string out(const std::string& name) const { return folder / ("out/" + name); }
 };
@@ -95,8 +97,9 @@ TEST(CalibrateBag, SummaryCountsTheRun) {
   const auto keyframes = summary["keyframes"].as<std::size_t>();
   EXPECT_EQ(frames, 301u);
   EXPECT_GT(keyframes, 20u);
-  EXPECT_NEAR(summary["frames_per_second"].as<double>(),
-              static_cast<double>(frames) / summary["processing_seconds"].as<double>(), 1.0);
+  const YAML::Node timing = YAML::LoadFile(converged().out("timing.json"));
+  EXPECT_NEAR(timing["frames_per_second"].as<double>(),
+              static_cast<double>(frames) / timing["processing_seconds"].as<double>(), 1.0);
   EXPECT_GE(summary["queue"]["segments"].as<int>(), 2);
   EXPECT_GE(summary["queue"]["swaps"].as<int>(), 2);
   EXPECT_LE(summary["pixel_uncertainty"]["rms"].as<double>(), 0.5);
@@ -119,15 +122,46 @@ TEST(CalibrateBag, WritesCalibrationsForOthers) {
   EXPECT_EQ(cam0["distortion_model"].as<std::string>(), "fov");
 }
 
+TEST(CalibrateBag, AnApproximationIsSaidOnTheTerminal) {
+  EXPECT_TRUE(mentions(converged().outcome, "calibration.yaml holds an approximation"))
+      << converged().outcome.output;
+  EXPECT_FALSE(mentions(converged().outcome, "camchain.yaml holds")) << "Kalibr has fov";
+}
+
+TEST(CalibrateBag, AnotherSizeIsOneSentence) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 20; ++i) {
+    const cv::Mat picture(i < 10 ? 48 : 60, 64, CV_8UC1, cv::Scalar(i));
+    cv::imwrite(folder / (std::to_string(i) + ".png"), picture);
+  }
+  const Outcome outcome = calibrateBag(folder.string());
+  EXPECT_TRUE(mentions(outcome, "images of 64x60 are left out, since those before have 64x48"))
+      << outcome.output;
+  EXPECT_FALSE(mentions(outcome, "calibrated anew")) << outcome.output;
+  EXPECT_FALSE(mentions(outcome, "size changed")) << outcome.output;
+  EXPECT_TRUE(mentions(outcome, "10 images left out"));
+}
+
 TEST(CalibrateBag, TheSameInputGivesTheSameFiles) {
   const TemporaryFolder folder;
   const Outcome again = calibrateBag((converged().folder / "room.bag") +
-                                     " --solver-threads 2 --out " + folder.string());
+                                     " --solver-threads 2 --report --out " + folder.string());
   EXPECT_EQ(again.exit_code, 0);
-  for (const char* name : {"trajectory.tum", "keyframes.tum", "convergence.csv", "calibration.yaml",
-                           "camchain.yaml"}) {
-    EXPECT_EQ(contents(folder / name), contents(converged().out(name))) << name;
+  std::size_t files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.string())) {
+    const std::string name = entry.path().filename();
+    if (name == "timing.json") continue;  // The only place of what varies.
+    ++files;
+    EXPECT_EQ(contents(entry.path()), contents(converged().out(name))) << name;
   }
+  EXPECT_EQ(files, 7u);
+}
+
+TEST(CalibrateBag, PlumbBobIsAModel) {
+  const Outcome outcome =
+      calibrateBag((converged().folder / "room.bag") + " --duration 0.15 --model plumb_bob");
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_TRUE(mentions(outcome, "radtan, 320x240")) << outcome.output;
 }
 
 TEST(CalibrateBag, StartValuesAreUsedAndTheirSizeChecked) {
@@ -259,6 +293,26 @@ TEST(CalibrateBag, AStillCameraDoesNotConverge) {
       << "an older file must not pass for the result";
   EXPECT_TRUE(summary["batch"].IsNull());
   EXPECT_NE(contents(folder / "out/report.html").find("WAITING_FOR_MOTION"), std::string::npos);
+}
+
+TEST(CalibrateBag, InterruptedItWritesWhatIsKnownAndSaysSo) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    const TemporaryFolder folder;
+    ChildProgram program(
+        {CALIBRATE_BAG, converged().folder / "room.bag", "--report", "--out", folder / "out"});
+    ASSERT_TRUE(program.says("frame ")) << program.text();
+    program.send(signal);
+    EXPECT_TRUE(program.says("partial")) << program.text();
+    EXPECT_EQ(program.wait(), 4);
+    const YAML::Node summary = YAML::LoadFile(folder / "out/summary.json");
+    EXPECT_FALSE(summary["complete"].as<bool>());
+    EXPECT_GT(summary["frames"].as<int>(), 0);
+    EXPECT_LT(summary["frames"].as<int>(), 301);
+    EXPECT_EQ(contents(folder / "out/trajectory.tum").rfind("# PARTIAL", 0), 0u);
+    EXPECT_NE(contents(folder / "out/report.html").find("PARTIAL"), std::string::npos);
+  }
+  EXPECT_TRUE(YAML::LoadFile(converged().out("summary.json"))["complete"].as<bool>());
+  EXPECT_EQ(contents(converged().out("report.html")).find("PARTIAL"), std::string::npos);
 }
 
 TEST(CalibrateBag, NoImagesIsACodeOfItsOwn) {

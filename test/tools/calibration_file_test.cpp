@@ -18,6 +18,19 @@ Camera makeCamera(CameraModel model, const std::vector<double>& values) {
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
 }
 
+void writeRosCalibration(const std::string& path, const std::string& name, const Camera& camera) {
+  CalibrationLabels labels;
+  labels.camera_name = name;
+  writeCalibration(path, camera, CalibrationFormat::kRos, labels);
+}
+
+void writeKalibrCalibration(const std::string& path, const std::string& topic,
+                            const Camera& camera) {
+  CalibrationLabels labels;
+  labels.topic = topic;
+  writeCalibration(path, camera, CalibrationFormat::kKalibr, labels);
+}
+
 void writeText(const std::string& path, const std::string& text) { std::ofstream(path) << text; }
 
 std::string failureOf(const std::string& path) {
@@ -115,6 +128,21 @@ TEST(CalibrationFile, KalibrGetsAFitOfRadtanWithK3) {
   std::vector<double> values = cam0["intrinsics"].as<std::vector<double>>();
   for (const double k : cam0["distortion_coeffs"].as<std::vector<double>>()) values.push_back(k);
   EXPECT_LT(pixelDistance(with_k3, makeCamera(CameraModel::kEquidistant, values)).rms, 0.1);
+}
+
+TEST(CalibrationFile, ACommentDoesNotKeepItFromBeingRead) {
+  const TemporaryFolder folder;
+  const Camera camera = Camera::defaultGuess(CameraModel::kEquidistant, 640, 480);
+  CalibrationLabels labels;
+  labels.comment = "PARTIAL: cut short";
+  for (const CalibrationFormat format : {CalibrationFormat::kRos, CalibrationFormat::kKalibr}) {
+    const std::string path = folder / toString(format);
+    writeCalibration(path, camera, format, labels);
+    std::string first;
+    std::getline(std::ifstream(path) >> std::ws, first);
+    EXPECT_EQ(first, "# PARTIAL: cut short");
+    EXPECT_EQ(readCalibrationFile(path).parameters(), camera.parameters());
+  }
 }
 
 }  // namespace

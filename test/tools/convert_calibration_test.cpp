@@ -78,21 +78,39 @@ TEST_F(Conversion, TheFitIsNotedInTheFile) {
   EXPECT_EQ(contents(out).rfind("%YAML:1.0\n---\n", 0), 0u) << "OpenCV insists on it";
 }
 
+TEST_F(Conversion, ALostRectificationIsSaid) {
+  writeText(folder / "right.yaml",
+            "height: 480\nwidth: 640\ndistortion_model: plumb_bob\nD: [0, 0, 0, 0, 0]\n"
+            "K: [400, 0, 320, 0, 400, 240, 0, 0, 1]\nR: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n"
+            "P: [400, 0, 320, -50, 0, 400, 240, 0, 0, 0, 1, 0]\n");
+  const Outcome outcome =
+      convert((folder / "right.yaml") + " " + (folder / "out.yaml") + " --to ros");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_TRUE(mentions(outcome, "rectification of IN")) << outcome.output;
+}
+
 TEST_F(Conversion, ErrorsSayWhatToDo) {
   EXPECT_EQ(convert("--help").exit_code, 0);
   const Outcome nothing = convert("");
   EXPECT_EQ(nothing.exit_code, 1);
   EXPECT_TRUE(mentions(nothing, "--help"));
   EXPECT_TRUE(mentions(convert(fov + " x.yaml --to matlab"), "orbslam3"));
-  EXPECT_TRUE(mentions(convert((folder / "none.yaml") + " x.yaml --to ros"), "opened"));
+  EXPECT_TRUE(mentions(convert((folder / "none.yaml") + " x.yaml --to ros"), "No such file"));
   EXPECT_TRUE(mentions(convert(folder.string() + " x.yaml --to ros"), "is a folder"));
   EXPECT_TRUE(mentions(convert(fov + " " + fov + " --to ros"), "same file"));
   EXPECT_EQ(contents(fov), kFov) << "the original is untouched";
   const Outcome unwritable = convert(fov + " " + (folder / "no/folder.yaml") + " --to ros");
   EXPECT_EQ(unwritable.exit_code, 1);
-  EXPECT_TRUE(mentions(unwritable, "cannot be written")) << unwritable.output;
+  EXPECT_TRUE(mentions(unwritable, "No such file")) << unwritable.output;
   writeText(folder / "bad.yaml", "just text");
   EXPECT_TRUE(mentions(convert((folder / "bad.yaml") + " x.yaml --to ros"), "none of the formats"));
+}
+
+TEST(Programs, HelpNeedsNoMaster) {
+  const Outcome help = run("ROS_MASTER_URI=http://localhost:1 timeout 30 " +
+                           std::string(SIMULATED_CAMERA) + " --help");
+  EXPECT_EQ(help.exit_code, 0) << help.output;
+  EXPECT_TRUE(mentions(help, "publish_clock"));
 }
 
 TEST_F(Conversion, ARefusedConversionLeavesTheOldFile) {

@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>
 #include <std_msgs/String.h>
+#include <sys/resource.h>
 
+#include <cstring>
 #include <fstream>
 #include <opencv2/videoio.hpp>
+#include <sstream>
 
+#include "sanitized.h"
+#include "tools/movie_file.h"
 #include "tools/small_sequence.h"
 #include "tools/temporary_folder.h"
 
@@ -82,7 +87,40 @@ TEST(ImageSource, FolderIsReadInTheOrderOfNames) {
   EXPECT_EQ(seen.brightness, (std::vector<int>{10, 20, 30}));
   EXPECT_EQ(seen.errors, 1);
   ASSERT_EQ(seen.seconds.size(), 3u);
-  EXPECT_NEAR(seen.seconds[2] - seen.seconds[0], 0.2, 1e-9);
+  EXPECT_EQ(seen.seconds[0], 0.0);
+  EXPECT_NEAR(seen.seconds[2], 0.2, 1e-9);
+}
+
+TEST(ImageSource, NumbersInNamesAreCountedNotSpelt) {
+  const TemporaryFolder folder;
+  for (const int i : {1, 2, 9, 10, 11, 100}) {
+    cv::imwrite(folder / ("img" + std::to_string(i) + ".png"), picture(i));
+  }
+  EXPECT_EQ(readAll(at(folder.string())).brightness, (std::vector<int>{1, 2, 9, 10, 11, 100}));
+  const std::string said = openImages(at(folder.string())).description;
+  EXPECT_NE(said.find("6 images in the order img1.png, img2.png, img9.png, ..., img100.png"),
+            std::string::npos)
+      << said;
+}
+
+TEST(ImageSource, APictureThatIsCutOffIsNamedAndLeftOut) {
+  const TemporaryFolder folder;
+  cv::Mat noise(kHeight, kWidth, CV_8UC1);
+  cv::randu(noise, 0, 255);
+  for (const std::string name : {"1.jpg", "2.png", "3.jpg"}) {
+    cv::imwrite(folder / name, noise);
+    if (name != "3.jpg") {
+      std::filesystem::resize_file(folder / name,
+                                   std::filesystem::file_size(folder / name) * 6 / 10);
+    }
+  }
+  const Seen seen = readAll(at(folder.string()));
+  EXPECT_EQ(seen.errors, 2);
+  EXPECT_EQ(seen.brightness.size(), 1u);
+  const ImageSource source = openImages(at(folder.string()));
+  const auto first = source.next();
+  ASSERT_TRUE(first && !first->view);
+  EXPECT_NE(first->error.find("1.jpg: "), std::string::npos) << first->error;
 }
 
 TEST(ImageSource, StartAndDurationCountFromTheFirstImage) {
@@ -115,6 +153,21 @@ TEST(ImageSource, BagFindsItsOnlyImageTopic) {
   const Seen seen = readAll(at(folder / "a.bag"));
   EXPECT_EQ(seen.brightness, (std::vector<int>{7, 8}));
   EXPECT_EQ(seen.seconds, (std::vector<double>{1.5, 3.0}));
+}
+
+TEST(ImageSource, ABagByAnotherNameIsABag) {
+  const TemporaryFolder folder;
+  sensor_msgs::CompressedImage jpeg;
+  cv::imencode(".jpg", picture(40), jpeg.data);
+  jpeg.header.stamp = ros::Time(1.5);
+  {
+    rosbag::Bag bag(folder / "a.bag", rosbag::bagmode::Write);
+    bag.write("image/compressed", ros::Time(2.0), jpeg);
+  }
+  for (const std::string name : {"recording", "recording.avi"}) {
+    std::filesystem::copy_file(folder / "a.bag", folder / name);
+    EXPECT_EQ(readAll(at(folder / name)).seconds, std::vector<double>{1.5}) << name;
+  }
 }
 
 TEST(ImageSource, BagOfSeveralTopicsAsksWhich) {
@@ -159,6 +212,34 @@ TEST(ImageSource, VideoIsReadAsGray) {
   EXPECT_EQ(readAll(part).brightness.size(), 3u);
 }
 
+TEST(ImageSource, AVideoKeepsItsOwnTimesAndTheSensorsOrientation) {
+  if (100 * CV_VERSION_MAJOR + CV_VERSION_MINOR < 406) GTEST_SKIP() << "this OpenCV is too old";
+  const TemporaryFolder folder;
+  MovieFile movie;
+  for (int i = 0; i < 6; ++i) movie.images.push_back(picture(40 * i));
+  movie.milliseconds = {33, 50, 33, 200, 33, 33};
+  movie.write(folder / "phone.mov");
+  const Seen seen = readAll(at(folder / "phone.mov"));  // It expects the size before any turn.
+  ASSERT_EQ(seen.seconds.size(), 6u);
+  const std::vector<double> expected = {0.0, 0.033, 0.083, 0.116, 0.316, 0.349};
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_NEAR(seen.seconds[i], expected[i], 1e-6) << i;
+    EXPECT_NEAR(seen.brightness[i], 40.0 * static_cast<double>(i), 3.0) << i;
+  }
+  const std::string said = openImages(at(folder / "phone.mov")).description;
+  EXPECT_NE(said.find("times that stand in the video"), std::string::npos) << said;
+  EXPECT_NE(said.find("asks to be shown turned"), std::string::npos) << said;
+
+  SourceOptions options = at(folder / "phone.mov");
+  options.start_seconds = 0.05;
+  options.duration_seconds = 0.1;
+  EXPECT_EQ(readAll(options).seconds.size(), 2u);
+  options = at(folder / "phone.mov");
+  options.rate = 10.0;
+  EXPECT_NEAR(readAll(options).seconds.back(), 0.5, 1e-9);
+  EXPECT_NE(openImages(options).description.find("10 Hz"), std::string::npos);
+}
+
 TEST(ImageSource, SaysWhatIsWrongWithAFile) {
   const TemporaryFolder folder;
   EXPECT_NE(failureOf(at(folder / "none.bag")).find("no file"), std::string::npos);
@@ -181,6 +262,42 @@ TEST(ImageSource, ATruncatedBagIsAnErrorNotACrash) {
     std::filesystem::resize_file(folder / "cut.bag",
                                  static_cast<std::uintmax_t>(share * static_cast<double>(size)));
     EXPECT_NE(failureOf(at(folder / "cut.bag")).find("rosbag reindex"), std::string::npos) << share;
+  }
+}
+
+/// Lowers the limit of this process on memory, which its children inherit.
+class MemoryLimit {
+ public:
+  explicit MemoryLimit(rlim_t bytes) {
+    getrlimit(RLIMIT_AS, &before_);
+    const rlimit lowered = {bytes, before_.rlim_max};
+    setrlimit(RLIMIT_AS, &lowered);
+  }
+  ~MemoryLimit() { setrlimit(RLIMIT_AS, &before_); }
+
+ private:
+  rlimit before_ = {};
+};
+
+// librosbag writes to a null pointer where there is not as much memory as a length claims.
+TEST(ImageSource, ADamagedLengthInABagDoesNotEndTheProgram) {
+  if (kSanitized) GTEST_SKIP() << "sanitizers need all addresses";
+  const TemporaryFolder folder;
+  {
+    rosbag::Bag bag(folder / "whole.bag", rosbag::bagmode::Write);
+    bag.write("image", ros::Time(1.0), rawMessage(1.0, 1));
+  }
+  std::stringstream whole;
+  whole << std::ifstream(folder / "whole.bag", std::ios::binary).rdbuf();
+  // Before the first field of the record CHUNK_INFO stands its length, before that the header's.
+  const std::size_t header_length = whole.str().rfind("chunk_pos=") - 8;
+  const MemoryLimit limit(rlim_t{2} << 30);
+  for (const std::uint32_t length : {0xFFFFFFF0u, 0x7FFFFFF0u}) {
+    std::string bytes = whole.str();
+    std::memcpy(&bytes[header_length], &length, sizeof(length));
+    std::ofstream(folder / "bad.bag", std::ios::binary) << bytes;
+    const std::string failure = failureOf(at(folder / "bad.bag"));
+    EXPECT_NE(failure.find("rosbag reindex"), std::string::npos) << failure;
   }
 }
 

@@ -8,4 +8,13 @@ namespace camera_self_calibration {
 /// the format.
 [[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
 
+/// The text with a full stop at its end, unless it ends with punctuation already. Empty stays
+/// empty.
+std::string withFullStop(const std::string& text);
+
+/// The text with a capital letter at its beginning and a full stop at its end, unless it ends with
+/// punctuation already. Empty stays empty. What begins with a word that is written with other than
+/// small letters, such as a path, begins as it is.
+std::string asSentence(const std::string& text);
+
 }  // namespace camera_self_calibration

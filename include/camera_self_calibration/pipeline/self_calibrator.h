@@ -84,8 +84,11 @@ class SelfCalibrator {
 
   /// Multiplies the lengths of the present map and of all poses to come by `factor`, as when the
   /// true size of something is known. A new map_id tells that they no longer compare. False unless
-  /// TRACKING, or if the factor is not a positive number.
+  /// TRACKING, or if the factor is none that isScaleFactor() takes.
   bool setScale(double factor);
+
+  /// From 1e-6 to 1e6, so that lengths stay numbers that can be computed with.
+  static bool isScaleFactor(double factor);
 
   /// Threaded: waits until all enqueued images and keyframes are processed.
   void flush();

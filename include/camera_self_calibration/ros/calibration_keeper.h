@@ -2,6 +2,7 @@
 
 #include <ros/node_handle.h>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,10 +19,16 @@ namespace camera_self_calibration {
 /// Everything about a calibration that outlives a run: files, services, saving by itself.
 class CalibrationKeeper {
  public:
+  using Saved = std::function<void(const CalibrationStore::Outcome&)>;
+
   /// `name` is the node's, `image_topic` the camera's; session and policy must outlive the keeper.
+  /// `saved` hears how each saving ended.
   CalibrationKeeper(const ros::NodeHandle& private_node, const NodeOptions& options,
                     const std::string& name, const std::string& image_topic,
-                    CalibrationSession* session, const CameraInfoPolicy* camera_info);
+                    CalibrationSession* session, CameraInfoPolicy* camera_info, Saved saved);
+
+  /// Whether what is learnt is saved by itself, since a file for it is named.
+  bool keeps() const { return store_->hasFile(); }
 
   /// What the files say of a camera with images of this size. They are read, and it is logged what
   /// was taken and refused, when the size is another one than the last time.
@@ -42,5 +49,9 @@ class CalibrationKeeper {
 
 /// Every violated rule of the parameters of files, in one sentence each.
 std::vector<std::string> keepingProblems(const NodeOptions& options);
+
+/// Every two of the files that are one and the same, in one sentence each. `name` is the node's,
+/// which stands for ${NAME} where the camera has no name of its own.
+std::vector<std::string> sameFileProblems(const NodeOptions& options, const std::string& name);
 
 }  // namespace camera_self_calibration

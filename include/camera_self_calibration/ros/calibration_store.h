@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 
 namespace camera_self_calibration {
@@ -20,8 +21,9 @@ struct StoreOptions {
   bool any_model = false;        ///< A state of another camera model is taken too.
 };
 
-/// The calibration on the disk. Writes atomically and reads back. A file that cannot be read, or
-/// that is for another camera, is never written over: save() refuses and says why. Thread-safe.
+/// The calibration on the disk. Writes atomically and reads back. What load() refuses (a file that
+/// cannot be read, is for another camera, or holds no usable values) is never written over: save()
+/// refuses it too and says why. Thread-safe.
 class CalibrationStore {
  public:
   explicit CalibrationStore(const StoreOptions& options) : options_(options) {}
@@ -49,6 +51,10 @@ class CalibrationStore {
   /// what the state file held goes to FILE.previous first.
   Outcome save(const LearntState& state, const sensor_msgs::CameraInfo& info);
 
+  /// Keeps a calibration that was given from outside in the calibration file, as it is. What the
+  /// state file held goes to FILE.previous, since the next start must not prefer it.
+  Outcome saveGiven(CameraModel model, const sensor_msgs::CameraInfo& info);
+
   /// What is learnt from now on does not rest on what was saved.
   void beginAnew();
 
@@ -59,18 +65,20 @@ class CalibrationStore {
     std::string refusal;
   };
   struct KnownCalibration {
-    std::optional<sensor_msgs::CameraInfo> info;
+    std::optional<CameraFit> start;
     std::string refusal;
   };
 
   KnownState readState(CameraModel model, int width, int height) const;
-  KnownCalibration readCalibration(int width, int height) const;
+  KnownCalibration readCalibration(CameraModel model, int width, int height) const;
   std::string saveState(const LearntState& state);
-  std::string saveCalibration(const sensor_msgs::CameraInfo& info);
+  std::string putStateAside(CameraModel model, const sensor_msgs::CameraInfo& info);
+  std::string saveCalibration(CameraModel model, const sensor_msgs::CameraInfo& info);
 
   const StoreOptions options_;
   std::mutex mutex_;
   bool keep_previous_ = false;
+  std::optional<CameraModel> loaded_model_;  // That the files were judged by.
 };
 
 }  // namespace camera_self_calibration

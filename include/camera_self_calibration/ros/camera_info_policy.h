@@ -26,6 +26,7 @@ struct CameraInfoState {
   std::string distortion_model;  ///< Empty while zeros go out.
   PixelError error;              ///< Of the conversion to it [px].
   bool inherited = false;        ///< Rescaled from another image size, not estimated in this one.
+  bool given = false;            ///< By set_camera_info, and not replaced by an estimate yet.
   /// Why zeros go out although there is a calibration; empty otherwise.
   std::string obstacle;
 };
@@ -48,6 +49,14 @@ class CameraInfoPolicy {
   /// estimate replaces it, or a change of the lens (a later epoch) shows that it no longer holds.
   void inherit(const Camera& camera);
 
+  /// Publishes a message that was given from outside, as it is and at once, until an estimate that
+  /// begins anew is CONVERGED or shows another lens. `camera` is what it means; from any thread,
+  /// before the calibrator is reset.
+  void accept(const Camera& camera, const sensor_msgs::CameraInfo& info);
+
+  /// Ends what inherit() and accept() began; from any thread.
+  void forget();
+
   /// CameraInfoOptions::min_change_px from now on; from any thread.
   void setMinChange(double pixels) { min_change_px_ = pixels; }
 
@@ -63,6 +72,7 @@ class CameraInfoPolicy {
   bool usable(const CalibrationReport& report) const;
   bool keeps(const CalibrationReport& report);
   std::string publish(const Camera& camera, bool converged);
+  std::string judgement(const CalibrationReport& report) const;
   void setProjection(bool converged, sensor_msgs::CameraInfo* info);
 
   const CameraInfoOptions options_;
@@ -75,6 +85,8 @@ class CameraInfoPolicy {
   std::optional<Camera> camera_;  // Behind published_.
   std::optional<CameraInfoConversion> published_;
   bool inherited_ = false;
+  bool given_ = false;
+  bool awaits_beginning_ = false;  // Reports still come from before the reset.
   std::string obstacle_;
 };
 

@@ -17,6 +17,7 @@
 
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/ros/calibration_store.h"
+#include "camera_self_calibration/ros/camera_info_policy.h"
 
 namespace camera_self_calibration {
 
@@ -27,9 +28,12 @@ struct ControlTargets {
   std::function<bool(const std::function<void(SelfCalibrator&)>&)> with_calibrator;
   /// The CameraInfo that goes out at present; K[0] is 0 if uncalibrated.
   std::function<sensor_msgs::CameraInfo()> published_info;
+  CameraInfoPolicy* camera_info = nullptr;
   CalibrationStore* store = nullptr;
   /// Where ~save puts the calibration if the store has no file at all; may be null.
   CalibrationStore* fallback_store = nullptr;
+  /// Hears how each saving ended, by itself or by ~save; may be empty.
+  std::function<void(const CalibrationStore::Outcome&)> saved;
 };
 
 struct ControlOptions {
@@ -77,6 +81,8 @@ class ControlServices {
   std::string whyNotConverged(const std::optional<Present>& now,
                               const sensor_msgs::CameraInfo& info) const;
   void autosave(bool at_once);
+  CalibrationStore::Outcome saveTo(CalibrationStore* store, const Present& now,
+                                   const sensor_msgs::CameraInfo& info);
 
   ros::NodeHandle node_;
   const ControlOptions options_;

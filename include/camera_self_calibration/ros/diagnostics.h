@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/ros/calibration_store.h"
 #include "camera_self_calibration/ros/camera_info_policy.h"
 #include "camera_self_calibration/ros/factory_calibration.h"
 #include "camera_self_calibration/ros/input_monitor.h"
@@ -25,6 +26,10 @@ class Diagnostics {
   void setProblems(const std::vector<std::string>& problems);
   /// What of the saved files could not be used.
   void setStorageProblems(const std::vector<std::string>& problems);
+  /// Whether what is learnt is saved at all.
+  void setKeeps(bool keeps);
+  /// How the newest saving ended.
+  void update(const CalibrationStore::Outcome& saving);
   void setTopic(const std::string& topic);
   /// Why no transform goes out; empty if nothing hinders it.
   void setFrameProblem(const std::string& problem);
@@ -68,6 +73,8 @@ class Diagnostics {
   std::string problems_;
   std::string topic_;
   std::string storage_problems_;
+  bool keeps_ = false;
+  std::optional<CalibrationStore::Outcome> saving_;  // The newest one.
   std::string frame_problem_;
   FrameResult frame_;
   CalibrationReport report_;

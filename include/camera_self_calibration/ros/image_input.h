@@ -1,5 +1,6 @@
 #pragma once
 
+#include <ros/message_event.h>
 #include <ros/node_handle.h>
 #include <sensor_msgs/CompressedImage.h>
 #include <sensor_msgs/Image.h>
@@ -17,6 +18,7 @@ struct InputImage {
   GrayImage gray;
   sensor_msgs::ImageConstPtr raw;                   ///< Null if it came compressed.
   sensor_msgs::CompressedImageConstPtr compressed;  ///< Null if it came raw.
+  std::string publisher;                            ///< The node that it comes from.
 };
 
 /// Subscribes to the images of one camera, raw or compressed, and turns them gray.
@@ -36,8 +38,8 @@ class ImageInput {
   const std::string& topic() const { return topic_; }
 
  private:
-  void onRaw(const sensor_msgs::ImageConstPtr& message);
-  void onCompressed(const sensor_msgs::CompressedImageConstPtr& message);
+  void onRaw(const ros::MessageEvent<const sensor_msgs::Image>& event);
+  void onCompressed(const ros::MessageEvent<const sensor_msgs::CompressedImage>& event);
 
   ros::NodeHandle node_;
   const std::string topic_;

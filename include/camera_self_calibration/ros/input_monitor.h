@@ -34,6 +34,9 @@ class InputMonitor {
   /// single damaged image, do not end a calibration.
   static constexpr int kSizePatience = 5;
 
+  /// In ROS a stamp of 0 is none, but the time of a video begins there.
+  void takeZeroAsTime() { first_time_ns_ = 0; }
+
   /// Images that the mask does not fit are rejected.
   void setMask(const ImageView& mask) { mask_ = mask; }
 
@@ -56,6 +59,7 @@ class InputMonitor {
   std::optional<ImageView> mask_;
   FrameClock clock_;
   std::string notice_;
+  std::int64_t first_time_ns_ = 1;  // Stamps before this one are none.
   std::int64_t last_stamp_ns_ = 0;
   int width_ = 0;
   int height_ = 0;

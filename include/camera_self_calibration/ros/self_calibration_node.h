@@ -17,10 +17,11 @@
 #include "camera_self_calibration/ros/input_monitor.h"
 #include "camera_self_calibration/ros/live_parameters.h"
 #include "camera_self_calibration/ros/node_options.h"
+#include "camera_self_calibration/ros/publisher_watch.h"
 #include "camera_self_calibration/ros/result_publisher.h"
 #include "camera_self_calibration/ros/size_memory.h"
-#include "camera_self_calibration/ros/visualizer.h"
 #include "camera_self_calibration/ros/start_camera.h"
+#include "camera_self_calibration/ros/visualizer.h"
 
 namespace camera_self_calibration {
 
@@ -49,6 +50,7 @@ class SelfCalibrationNode {
   ros::NodeHandle node_;
   ros::NodeHandle private_node_;
   NodeOptions options_;
+  PublisherWatch publisher_watch_;
   InputMonitor monitor_;
   ros::WallTime last_warning_;
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -13,12 +14,14 @@ namespace camera_self_calibration {
 struct CalibrateExtras {
   std::optional<Camera> reference;  ///< Held in a second run, whose poses are recorded.
   bool batch = false;               ///< Whole-trajectory batch at intervals, queues of other sizes.
+  /// Asked before each image; the run ends where it says true. May be empty.
+  std::function<bool()> stop;
 };
 
 /// Runs the inline pipeline over a sequence, with progress on a terminal. Images that
 /// InputMonitor rejects are left out with a warning on standard error. Throws std::runtime_error if
 /// images are there and none can be used, or the start values are for another image size, and
-/// std::invalid_argument on bad options.
+/// std::invalid_argument on bad options. A run that was stopped has no batch.
 Recording calibrate(ImageSource* source, const Options& options,
                     const CalibrateExtras& extras = {});
 

@@ -29,12 +29,4 @@ CalibrationInFile readCalibration(const std::string& path, std::optional<Calibra
 CameraFit writeCalibration(const std::string& path, const Camera& camera, CalibrationFormat format,
                            const CalibrationLabels& labels = {});
 
-/// Writes the YAML of camera_calibration_parsers, which camera_info_manager reads.
-void writeRosCalibration(const std::string& path, const std::string& camera_name,
-                         const Camera& camera);
-
-/// Writes Kalibr's camchain with one camera.
-void writeKalibrCalibration(const std::string& path, const std::string& topic,
-                            const Camera& camera);
-
 }  // namespace camera_self_calibration

@@ -32,10 +32,14 @@ std::optional<CalibrationFormat> detectCalibrationFormat(const std::string& text
 struct StoredCalibration {
   std::string name;  ///< That of the camera in the file; may be empty.
   Camera camera;     ///< Valid, of positive size.
+  /// Whether the file says more of rectified images than the camera does (R and P of kRos): what is
+  /// written from `camera` has none of that.
+  bool rectified = false;
 };
 
-/// Reads one camera; `wanted` is its name in the file (kKalibr: cam0, ...; kColmap: the id), needed
-/// only where there are several. Throws std::runtime_error that says what is wrong.
+/// Reads one camera; `wanted` is its name in the file (kKalibr: cam0, ...; kColmap: the id;
+/// kOpenCv: 1 or 2; kOrbSlam3: Camera1 or Camera2), needed only where there are several. Throws
+/// std::runtime_error that says what is wrong.
 StoredCalibration parseCalibration(const std::string& text, CalibrationFormat format,
                                    const std::string& wanted = {});
 
@@ -48,6 +52,7 @@ struct CalibrationLabels {
   std::string camera_name = "camera";
   std::string topic = "/camera/image_raw";  ///< kKalibr.
   double rate_hz = 30.0;                    ///< kOrbSlam3.
+  std::string comment;                      ///< Of writeCalibration(); one line, or empty.
 };
 
 /// The text of a file with this one camera, which must be storable() as it is. Numbers are written

@@ -11,9 +11,10 @@ namespace camera_self_calibration {
 
 /// Where images come from and which of them.
 struct SourceOptions {
-  std::string path;               ///< A bag, a folder of images or a video file.
-  std::string topic;              ///< Of a bag; empty: the only image topic.
-  double rate = 0.0;              ///< Of a folder or video [Hz]; 0: 30 or what the video says.
+  std::string path;   ///< A bag, a folder of images or a video file.
+  std::string topic;  ///< Of a bag; empty: the only image topic.
+  /// Of a folder or video [Hz]; 0: 30, or the times that stand in the video.
+  double rate = 0.0;
   double start_seconds = 0.0;     ///< Images before this time after the first one are skipped.
   double duration_seconds = 0.0;  ///< 0: to the end.
 };
@@ -23,13 +24,16 @@ struct ImageSource {
   std::function<std::optional<GrayImage>()> next;  ///< Nothing at the end.
   std::int64_t count = 0;                          ///< Images to come; for progress.
   std::string name;                                ///< Topic, folder or file.
+  std::string description;                         ///< What is read and how, for people.
 };
 
-/// Opens a folder (a directory), a bag (*.bag) or else a video. Throws std::runtime_error that says
-/// what is wrong and what to do: missing or malformed file, no such topic, several topics.
+/// Opens a folder (a directory; its images in the natural order of their names, img2 before img10),
+/// a bag (*.bag, or by its first bytes) or else a video. Throws std::runtime_error that says what
+/// is wrong and what to do: missing or malformed file, no such topic, several topics.
 ImageSource openImages(const SourceOptions& options);
 
-/// The three kinds of openImages.
+/// The three kinds of openImages. Folders and videos begin at time 0; the images of a video have
+/// the sensor's orientation, whatever it asks players to do.
 ImageSource openBag(const SourceOptions& options);
 ImageSource openFolder(const SourceOptions& options);
 ImageSource openVideo(const SourceOptions& options);

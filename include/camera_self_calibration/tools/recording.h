@@ -19,8 +19,12 @@ struct TimedPose : StampedCameraPose {
   bool is_keyframe = false;
 };
 
+/// Stands in every result of a run that was stopped.
+constexpr const char* kPartial = "PARTIAL: the run was interrupted before the last image.";
+
 /// What a run over stored images leaves behind.
 struct Recording {
+  bool complete = true;                    ///< False: stopped before the last image.
   std::int64_t frames = 0;                 ///< Images processed.
   std::int64_t keyframes = 0;              ///< Among them.
   double processing_seconds = 0.0;         ///< Wall time of the run, reading included [s].
@@ -36,15 +40,21 @@ struct Recording {
   BatchComparison batch;                   ///< Empty if not asked for.
 };
 
-/// The text of summary.json. `extra` members come last.
+/// The text of summary.json, the same for the same input. `extra` members come last.
 std::string summaryJson(const Recording& recording,
                         const std::vector<std::pair<std::string, std::string>>& extra = {});
 
+/// The text of timing.json: all that differs from one run to the next on the same input.
+std::string timingJson(const Recording& recording);
+
 /// Writes the files of calibrate_bag into an existing folder: summary.json (with the `extra`
-/// members), trajectory.tum,
-/// keyframes.tum, convergence.csv, and, if CONVERGED, calibration.yaml and camchain.yaml (those of
-/// an earlier run are removed if not). Throws std::runtime_error if a file cannot be written.
-void writeRecording(const std::string& folder, const std::string& topic, const Recording& recording,
-                    const std::vector<std::pair<std::string, std::string>>& extra = {});
+/// members), timing.json, trajectory.tum, keyframes.tum, convergence.csv, and, if CONVERGED,
+/// calibration.yaml and camchain.yaml (those of an earlier run are removed if not). Returns what is
+/// to be said of them, one sentence each: which one holds an approximation, and how good it is.
+/// Those of a run that is not complete say so. Throws std::runtime_error if a file cannot be
+/// written.
+std::vector<std::string> writeRecording(
+    const std::string& folder, const std::string& topic, const Recording& recording,
+    const std::vector<std::pair<std::string, std::string>>& extra = {});
 
 }  // namespace camera_self_calibration
