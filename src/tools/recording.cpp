@@ -165,6 +165,7 @@ std::vector<std::string> writeCalibrations(const fs::path& folder, const std::st
 
 std::string summaryJson(const Recording& recording, const std::vector<json::Member>& extra) {
   const CalibrationReport& report = recording.final_report;
+  const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
   const auto count = [](auto n) { return json::number(static_cast<std::int64_t>(n)); };
   std::vector<json::Member> members = {
       {"state", json::string(toString(report.state))},
@@ -176,19 +177,14 @@ std::string summaryJson(const Recording& recording, const std::vector<json::Memb
                                           {"max", json::number(report.uncertainty.max)}})},
       {"frames", count(recording.frames)},
       {"keyframes", count(recording.keyframes)},
+      {"processing_seconds", json::number(recording.processing_seconds)},
+      {"frames_per_second", json::number(rate)},
       {"queue", json::object({{"segments", count(report.queue.segments.size())},
                               {"swaps", count(report.queue.swaps)}})},
       {"models", modelsJson(report.models)},
       {"events", eventsJson(recording.events)}};
   members.insert(members.end(), extra.begin(), extra.end());
   return json::object(members) + "\n";
-}
-
-std::string timingJson(const Recording& recording) {
-  const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
-  return json::object({{"processing_seconds", json::number(recording.processing_seconds)},
-                       {"frames_per_second", json::number(rate)}}) +
-         "\n";
 }
 
 std::vector<std::string> writeRecording(const std::string& folder, const std::string& topic,
@@ -207,7 +203,6 @@ std::vector<std::string> writeRecording(const std::string& folder, const std::st
   const std::vector<std::string> notes = writeCalibrations(path, topic, recording);
   writeFile(path / "summary.json",
             [&](std::ostream& file) { file << summaryJson(recording, extra); });
-  writeFile(path / "timing.json", [&](std::ostream& file) { file << timingJson(recording); });
   return notes;
 }
 

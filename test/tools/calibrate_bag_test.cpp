@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <regex>
 #include <sstream>
 
 #include "camera_self_calibration/simulation/sequence_writer.h"
@@ -97,9 +98,8 @@ TEST(CalibrateBag, SummaryCountsTheRun) {
   const auto keyframes = summary["keyframes"].as<std::size_t>();
   EXPECT_EQ(frames, 301u);
   EXPECT_GT(keyframes, 20u);
-  const YAML::Node timing = YAML::LoadFile(converged().out("timing.json"));
-  EXPECT_NEAR(timing["frames_per_second"].as<double>(),
-              static_cast<double>(frames) / timing["processing_seconds"].as<double>(), 1.0);
+  EXPECT_NEAR(summary["frames_per_second"].as<double>(),
+              static_cast<double>(frames) / summary["processing_seconds"].as<double>(), 1.0);
   EXPECT_GE(summary["queue"]["segments"].as<int>(), 2);
   EXPECT_GE(summary["queue"]["swaps"].as<int>(), 2);
   EXPECT_LE(summary["pixel_uncertainty"]["rms"].as<double>(), 0.5);
@@ -142,6 +142,12 @@ TEST(CalibrateBag, AnotherSizeIsOneSentence) {
   EXPECT_TRUE(mentions(outcome, "10 images left out"));
 }
 
+// But for the two values of summary.json that may differ.
+std::string withoutTimes(const std::string& text) {
+  const std::regex times("\"(processing_seconds|frames_per_second)\": [^,]*");
+  return std::regex_replace(text, times, "");
+}
+
 TEST(CalibrateBag, TheSameInputGivesTheSameFiles) {
   const TemporaryFolder folder;
   const Outcome again = calibrateBag((converged().folder / "room.bag") +
@@ -150,9 +156,9 @@ TEST(CalibrateBag, TheSameInputGivesTheSameFiles) {
   std::size_t files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder.string())) {
     const std::string name = entry.path().filename();
-    if (name == "timing.json") continue;  // The only place of what varies.
     ++files;
-    EXPECT_EQ(contents(entry.path()), contents(converged().out(name))) << name;
+    EXPECT_EQ(withoutTimes(contents(entry.path())), withoutTimes(contents(converged().out(name))))
+        << name;
   }
   EXPECT_EQ(files, 7u);
 }

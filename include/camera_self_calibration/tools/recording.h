@@ -40,15 +40,13 @@ struct Recording {
   BatchComparison batch;                   ///< Empty if not asked for.
 };
 
-/// The text of summary.json, the same for the same input. `extra` members come last.
+/// The text of summary.json, the same for the same input but for the time that the run took,
+/// `processing_seconds` and `frames_per_second`. `extra` members come last.
 std::string summaryJson(const Recording& recording,
                         const std::vector<std::pair<std::string, std::string>>& extra = {});
 
-/// The text of timing.json: all that differs from one run to the next on the same input.
-std::string timingJson(const Recording& recording);
-
 /// Writes the files of calibrate_bag into an existing folder: summary.json (with the `extra`
-/// members), timing.json, trajectory.tum, keyframes.tum, convergence.csv, and, if CONVERGED,
+/// members), trajectory.tum, keyframes.tum, convergence.csv, and, if CONVERGED,
 /// calibration.yaml and camchain.yaml (those of an earlier run are removed if not). Returns what is
 /// to be said of them, one sentence each: which one holds an approximation, and how good it is.
 /// Those of a run that is not complete say so. Throws std::runtime_error if a file cannot be
