@@ -52,7 +52,7 @@ po::options_description description(CalibrateBagArguments* arguments) {
     ("ground-truth", po::value<std::string>(),
      "poses of the camera (TUM format: t tx ty tz qx qy qz qw): report ATE and RPE")
     ("max-features", po::value(&options.tracker.max_features)->default_value(
-         options.tracker.max_features), "features tracked")
+         options.tracker.max_features), "good features tracked")
     ("sliding-window-keyframes", po::value(&options.sliding_window_keyframes)->default_value(
          options.sliding_window_keyframes), "keyframes of the sliding window")
     ("segment-keyframes", po::value(&options.segment_keyframes)->default_value(
