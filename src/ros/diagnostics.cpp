@@ -66,39 +66,22 @@ void Diagnostics::setProblems(const std::vector<std::string>& problems) {
 
 void Diagnostics::setStorageProblems(const std::vector<std::string>& problems) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  storage_problems_.clear();
-  for (const std::string& problem : problems) {
-    storage_problems_ += (storage_problems_.empty() ? "" : " ") + asSentence(problem);
-  }
-}
-
-void Diagnostics::storage(Status& status) {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  if (addProblems(&status)) return;
-  if (saving_) {
-    status.summary(saving_->success ? DiagnosticStatus::OK : DiagnosticStatus::ERROR,
-                   asSentence(saving_->message));
-  } else if (keeps_) {
-    status.summary(DiagnosticStatus::OK,
-                   "Nothing has been saved yet: that begins when the calibration is CONVERGED.");
-  } else {
-    status.summary(DiagnosticStatus::OK,
-                   "Nothing is kept: the next start learns anew. Set ~camera_info_url or "
-                   "~state_file to keep what is learnt.");
-  }
-  if (!storage_problems_.empty()) {
-    status.mergeSummary(DiagnosticStatus::WARN, storage_problems_);
-  }
+  storage_.setProblems(problems);
 }
 
 void Diagnostics::setKeeps(bool keeps) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  keeps_ = keeps;
+  storage_.setKeeps(keeps);
 }
 
 void Diagnostics::update(const CalibrationStore::Outcome& saving) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  saving_ = saving;
+  storage_.update(saving);
+}
+
+void Diagnostics::storage(Status& status) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!addProblems(&status)) storage_.summarize(&status);
 }
 
 void Diagnostics::setTopic(const std::string& topic) {

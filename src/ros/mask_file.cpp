@@ -4,6 +4,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/calibration_url.h"
 
 namespace camera_self_calibration {
@@ -20,8 +21,14 @@ MaskReading readMask(const std::string& url) {
   const ResolvedPath resolved = resolvePath(url, "camera");
   if (!resolved.error.empty()) return {std::nullopt, "mask_url: " + resolved.error};
   const std::string& path = resolved.path;
+  const FileContents file = readFile(path);
+  if (!file.exists) return {std::nullopt, "mask_url: there is no file " + path};
+  if (!file.error.empty()) return {std::nullopt, "mask_url: " + file.error};
   try {
-    const auto image = std::make_shared<cv::Mat>(cv::imread(path, cv::IMREAD_GRAYSCALE));
+    const cv::Mat bytes(1, static_cast<int>(file.bytes.size()), CV_8U,
+                        const_cast<char*>(file.bytes.data()));
+    const auto image = std::make_shared<cv::Mat>();
+    if (!file.bytes.empty()) *image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
     if (image->empty()) {
       return {std::nullopt, "mask_url '" + url + "' is no image that can be read (" + path + ")"};
     }

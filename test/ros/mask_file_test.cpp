@@ -42,6 +42,11 @@ TEST(MaskFile, SaysWhatIsWrong) {
   }
 }
 
+TEST(MaskFile, NamesTheReasonOfTheSystem) {
+  EXPECT_NE(readMask("/nowhere/mask.png").error.find("there is no file"), std::string::npos);
+  EXPECT_NE(readMask(testing::TempDir()).error.find("not a file"), std::string::npos);
+}
+
 TEST(MaskFile, FitsImagesOfItsShape) {
   const MaskReading reading = readMask(writtenMask("mask.png", 255));
   ASSERT_TRUE(reading.mask);

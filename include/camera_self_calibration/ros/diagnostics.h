@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "camera_self_calibration/pipeline/results.h"
-#include "camera_self_calibration/ros/calibration_store.h"
 #include "camera_self_calibration/ros/camera_info_policy.h"
 #include "camera_self_calibration/ros/factory_calibration.h"
 #include "camera_self_calibration/ros/input_monitor.h"
+#include "camera_self_calibration/ros/storage_status.h"
 
 namespace camera_self_calibration {
 
@@ -72,9 +72,7 @@ class Diagnostics {
   mutable std::mutex mutex_;
   std::string problems_;
   std::string topic_;
-  std::string storage_problems_;
-  bool keeps_ = false;
-  std::optional<CalibrationStore::Outcome> saving_;  // The newest one.
+  StorageStatus storage_;
   std::string frame_problem_;
   FrameResult frame_;
   CalibrationReport report_;

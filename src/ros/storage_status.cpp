@@ -1,0 +1,31 @@
+#include "camera_self_calibration/ros/storage_status.h"
+
+#include "camera_self_calibration/geometry/formatted.h"
+
+namespace camera_self_calibration {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+void StorageStatus::setProblems(const std::vector<std::string>& problems) {
+  problems_.clear();
+  for (const std::string& problem : problems) {
+    problems_ += (problems_.empty() ? "" : " ") + asSentence(problem);
+  }
+}
+
+void StorageStatus::summarize(diagnostic_updater::DiagnosticStatusWrapper* status) const {
+  if (saving_) {
+    status->summary(saving_->success ? DiagnosticStatus::OK : DiagnosticStatus::ERROR,
+                    asSentence(saving_->message));
+  } else if (keeps_) {
+    status->summary(DiagnosticStatus::OK,
+                    "Nothing has been saved yet: that begins when the calibration is CONVERGED.");
+  } else {
+    status->summary(DiagnosticStatus::OK,
+                    "Nothing is kept: the next start learns anew. Set ~camera_info_url or "
+                    "~state_file to keep what is learnt.");
+  }
+  if (!problems_.empty()) status->mergeSummary(DiagnosticStatus::WARN, problems_);
+}
+
+}  // namespace camera_self_calibration
