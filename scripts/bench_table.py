@@ -64,6 +64,16 @@ def pipeline_rows(pipeline):
     row("peak memory, videos included", f"{pipeline['peak_megabytes']:.0f} MB")
 
 
+def real_video_rows(report):
+    for video in report["videos"]:
+        rate, inline, live = video["rate_hz"], video["inline"], video["live"]
+        row(f"{inline['name']} inline, {inline['state']}", f"{inline['fps']:.0f} fps",
+            f"{2 * rate:.0f} fps")
+        row("  live: frame p50 p99 max", " ".join(
+            f"{live[key]:.1f}" for key in ("p50_ms", "p99_ms", "max_ms")) + " ms",
+            f"p99 {1e3 / rate:.0f} ms; {live['dropped']} images dropped")
+
+
 def growth_rows(growth):
     base = growth[0]
     for stretch in growth:
@@ -78,12 +88,17 @@ def main():
     folder = Path(sys.argv[1])
     parts = {name: json.loads((folder / f"{name}.json").read_text())
              for name in ("solver", "front_end", "pipeline", "growth")}
+    real_video = folder / "real_video.json"
+    if real_video.exists():
+        parts["real_video"] = json.loads(real_video.read_text())
     (folder / "bench.json").write_text(json.dumps(parts, indent=1))
     row("", "measured", "target")
     solver_rows(medians(parts["solver"]))
     front_end_rows(medians(parts["front_end"]))
     pipeline_rows(parts["pipeline"])
     growth_rows(parts["growth"]["growth"])
+    if "real_video" in parts:
+        real_video_rows(parts["real_video"])
     print(f"all figures: {folder / 'bench.json'}")
 
 
