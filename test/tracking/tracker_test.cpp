@@ -124,7 +124,9 @@ TEST(Tracker, FindsCoveredTracksAgain) {
       if (behind && i == 3) before.insert(track.id);
       if (i == 8 && before.count(track.id) > 0) after.insert(track.id);
     }
-    if (i == 0) ASSERT_GT(tracker.detect().size(), 60u);
+    if (i == 0) {
+      ASSERT_GT(tracker.detect().size(), 60u);
+    }
   }
   ASSERT_GT(before.size(), 10u);
   EXPECT_GT(after.size(), before.size() * 7 / 10);
