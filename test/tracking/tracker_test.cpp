@@ -134,7 +134,9 @@ TEST(Tracker, FindsCoveredTracksAgain) {
 
 // What is in one image alone, such as noise, begins no track.
 TEST(Tracker, BeginsNoTrackThatTheImageBeforeDoesNotShow) {
-  Tracker tracker{TrackerOptions()};
+  TrackerOptions options;
+  options.max_features = 400;  // More than there are.
+  Tracker tracker(options);
   tracker.track(still(1).view(0));
   TestImage image = still(2);
   const auto strange = [](const Eigen::Vector2d& pixel) {
