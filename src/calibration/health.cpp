@@ -61,6 +61,11 @@ WeakDirection weakest(const HealthEvidence& evidence, const Camera& camera) {
                           camera);
 }
 
+bool doesNotFit(const HealthEvidence& evidence) {
+  if (evidence.better_model.empty()) return false;
+  return !evidence.describes_image || evidence.uncertainty.rms > evidence.threshold_px;
+}
+
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
   std::string sentence =
       evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
@@ -78,6 +83,12 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
                           bool was_converged) {
   const double rms = evidence.uncertainty.rms;
+  if (evidence.handed_over && doesNotFit(evidence)) {
+    return {CalibrationState::kConverging,
+            "the calibration is " + goodTo(evidence) + limit(evidence) +
+                ", as its model does not describe the lens",
+            "set the parameter model to " + evidence.better_model};
+  }
   if (was_converged && rms > evidence.threshold_px) {
     return {CalibrationState::kConverged,
             "the calibration had converged, but the newest stretches disagree with it: now only " +
