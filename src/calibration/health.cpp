@@ -61,11 +61,6 @@ WeakDirection weakest(const HealthEvidence& evidence, const Camera& camera) {
                           camera);
 }
 
-bool doesNotFit(const HealthEvidence& evidence) {
-  if (evidence.better_model.empty()) return false;
-  return !evidence.describes_image || evidence.uncertainty.rms > evidence.threshold_px;
-}
-
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
   std::string sentence =
       evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
@@ -83,7 +78,7 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
                           bool was_converged) {
   const double rms = evidence.uncertainty.rms;
-  if (evidence.handed_over && doesNotFit(evidence)) {
+  if (evidence.handed_over && rms > evidence.threshold_px && !evidence.better_model.empty()) {
     return {CalibrationState::kConverging,
             "the calibration is " + goodTo(evidence) + limit(evidence) +
                 ", as its model does not describe the lens",

@@ -115,8 +115,22 @@ double undescribedShare(const Camera& lens, const Camera& present, const ImageFi
 // independent: what the stated uncertainty covers is not counted twice.
 PixelError beyond(const PixelError& distance, const PixelError& one, const PixelError& other) {
   const double square = distance.rms * distance.rms - one.rms * one.rms - other.rms * other.rms;
-  if (!(square > 0.0)) return {};
-  return {std::sqrt(square), distance.max};
+  return square > 0.0 ? PixelError{std::sqrt(square), distance.max} : PixelError();
+}
+
+PixelError withUndescribed(double share, const PixelError& misfit) {
+  if (share <= kMaxUndescribed) return misfit;
+  return {
+      std::hypot(std::sqrt(1.0 - share) * misfit.rms, std::sqrt(share) * kUnpredictableResidualPx),
+      std::max(misfit.max, kUnpredictableResidualPx)};
+}
+
+// Of the chi-square distribution: the parameters more where the richer lens contains the present
+// one; all of them, to be on the safe side, where it only comes close to it.
+int degreesOfFreedom(const Camera& present, const Camera& richer) {
+  const bool contained =
+      present.model() == CameraModel::kPinhole || present.model() == richer.model();
+  return richer.estimatedCount() - (contained ? present.estimatedCount() : 0);
 }
 
 struct Comparison {
@@ -133,25 +147,26 @@ struct Present {
   double variance = 1.0;  // by which the segments disagree more than their sigmas say
 };
 
-// Twice the gain in log-likelihood is chi-square distributed with as many degrees of freedom as
-// there are parameters more, at most as many as there are: over the variance by which segments
-// disagree, and the design effect of errors that are correlated along tracks.
+// Twice the gain in log-likelihood is chi-square distributed if the present model is right: over
+// the variance by which segments disagree, and the design effect of errors that are correlated
+// along tracks.
 Comparison compare(const Present& present, double significance, int threads, Trial* richer) {
   Comparison result;
   if (!richer->fit(threads)) return result;
-  const int freedom = richer->camera().estimatedCount();
+  const Camera& now = present.solution.camera;
+  const int freedom = degreesOfFreedom(now, richer->camera());
   const double ratio = 2.0 * (present.cost - richer->cost()) / present.variance;
   if (!(ratio > chiSquareQuantile(freedom, significance))) return result;
   const Marginal marginal = marginalize(richer->problem(), SolverOptions().huber, threads);
   const auto covariance = marginal.robustCovariance();
   if (!covariance) return result;
   result.p_value = chiSquareExceedance(ratio / std::max(1.0, marginal.designEffect()), freedom);
-  const Camera& now = present.solution.camera;
-  result.misfit =
+  result.undescribed = undescribedShare(richer->camera(), now, present.field);
+  const PixelError misfit =
       beyond(pixelDistance(now, richer->camera(), present.field),
              pixelUncertainty(now, present.solution.covariance, present.field),
              pixelUncertainty(richer->camera(), present.variance * *covariance, present.field));
-  result.undescribed = undescribedShare(richer->camera(), now, present.field);
+  result.misfit = withUndescribed(result.undescribed, misfit);
   return result;
 }
 
@@ -167,14 +182,10 @@ std::string LensFitReport::sentence() const {
   if (!compared) return "";
   if (better.empty()) return "the lens is described by " + model;
   std::string text = model;
-  if (misfit.rms > 0.0) {
-    text += formatted(" is %.1f px rms off, %.1f px at worst", misfit.rms, misfit.max);
-  }
-  if (!describesImage()) {
-    text += formatted("%s has no ray for %.0f %% of the image", misfit.rms > 0.0 ? ", and" : "",
-                      100.0 * undescribed);
-  }
-  return text + ": " + better + " describes the lens";
+  text += describesImage()
+              ? formatted(" is %.1f px rms off, %.1f px at worst", misfit.rms, misfit.max)
+              : formatted(" has no ray for %.0f %% of the image", 100.0 * undescribed);
+  return text + ": " + better + " describes it";
 }
 
 bool LensFit::consider(std::int64_t keyframes, bool verdict_due,
@@ -185,7 +196,7 @@ bool LensFit::consider(std::int64_t keyframes, bool verdict_due,
   for (const Candidate& candidate : queue) sequences.push_back(candidate.segment.sequence);
   if (!solution.usable || sequences == compared_) return false;
   compared_ = std::move(sequences);
-  next_ = keyframes + std::clamp(keyframes / 2, kMinInterval, kMaxInterval);
+  next_ = keyframes + std::clamp(keyframes / 4, kMinInterval, kMaxInterval);
   report_ = LensFitReport();
   report_.compared = true;
   report_.model = toString(solution.camera.model());
@@ -200,8 +211,7 @@ bool LensFit::consider(std::int64_t keyframes, bool verdict_due,
     best = comparison.p_value;
     report_.misfit = comparison.misfit;
     report_.undescribed = comparison.undescribed;
-    const bool misses = comparison.misfit.rms > 0.0 || !report_.describesImage();
-    report_.better = misses ? lens.name : "";
+    report_.better = comparison.misfit.rms > 0.0 ? lens.name : "";
   }
   return true;
 }

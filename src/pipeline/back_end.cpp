@@ -258,8 +258,7 @@ void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   evidence.epoch = report_.epoch;
   evidence.obstacle = obstacle_;
   const LensFitReport& fit = report_.lens_fit = lens_fit_.report();
-  if (fit.misfit.rms > noise_.rms || !fit.describesImage()) evidence.better_model = fit.better;
-  evidence.describes_image = fit.describesImage();
+  if (fit.misfit.rms > noise_.rms) evidence.better_model = fit.better;
   const bool was_converged = report_.state == CalibrationState::kConverged;
   const HealthVerdict verdict = judgeHealth(evidence, report_.camera, was_converged);
   report_.state = verdict.state;

@@ -78,12 +78,24 @@ TEST(LensFit, FindsTheDistortionThatAPinholeLacks) {
   EXPECT_GT(error.rms, 3.0 * noise.rms);  // what the noise alone states is a lie
   EXPECT_LT(error.rms, 3.0 * report.total(noise).rms);
   EXPECT_NE(report.sentence().find("pinhole is "), std::string::npos) << report.sentence();
-  EXPECT_NE(report.sentence().find(report.better + " describes"), std::string::npos);
+  EXPECT_NE(report.sentence().find(report.better + " describes it"), std::string::npos);
 }
 
 TEST(LensFit, FindsAWideLensThatRadtanCannotDescribe) {
   const LensFitReport report = fitOf(queueOf(kWide, CameraModel::kRadtan, 4));
   EXPECT_EQ(report.better, "equidistant") << report.sentence();
+  EXPECT_GT(report.misfit.rms, 1.0);
+}
+
+TEST(LensFit, SaysWhereTheImageHasNoRays) {
+  LensFitReport report;
+  report.compared = true;
+  report.model = "radtan";
+  report.better = "equidistant";
+  report.misfit = {15.5, 50.0};
+  report.undescribed = 0.1;
+  EXPECT_EQ(report.sentence(), "radtan has no ray for 10 % of the image: equidistant describes it");
+  EXPECT_NEAR(report.total({1.0, 2.0}).rms, 15.53, 0.01);
 }
 
 TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {

@@ -32,7 +32,6 @@ struct HealthEvidence {
   std::string obstacle;          ///< Why there was no hand-over yet, in words; may be empty.
   /// Describes the lens where the model in use misses it by more than its noise; may be empty.
   std::string better_model;
-  bool describes_image = true;  ///< LensFitReport::describesImage of the model in use.
 };
 
 /// State of the calibration with one plain sentence and the motion that would help.

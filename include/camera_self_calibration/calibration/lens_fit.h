@@ -17,7 +17,9 @@ struct LensFitReport {
   std::string model;      ///< The one in use.
   std::string better;     ///< Describes the lens where `model` misses it; empty: `model` does.
   /// Distance of the lens in use from the better one, a rotation of the camera removed, over the
-  /// image, less what the uncertainties of both explain [px].
+  /// image, less what the uncertainties of both explain [px]. Pixels without a ray, unless they are
+  /// a negligible rim, count like observations that cannot be predicted
+  /// (kUnpredictableResidualPx).
   PixelError misfit;
   /// Share of the image that has rays under the better model and none under the one in use.
   double undescribed = 0.0;

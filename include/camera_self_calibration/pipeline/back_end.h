@@ -127,7 +127,7 @@ class BackEnd {
   // the queue before the newest change; of the first lens, which no queue has told yet, three
   // sigmas.
   Scatter usual_scatter_ = {40.0 * 3.0 * 3.0, 40};
-  std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch
+  std::int64_t epoch_onset_ns_ = 0;           // keyframes before it are of an earlier epoch
   PixelError noise_ = PixelError::unknown();  // the reported uncertainty without any misfit
   bool handed_over_ = false;
   bool follows_queue_ = false;  // before hand-over: the queue's estimate is the better one
