@@ -61,6 +61,11 @@ WeakDirection weakest(const HealthEvidence& evidence, const Camera& camera) {
                           camera);
 }
 
+// No parameter asks for k3: it is estimated where a comparison of models finds that it is needed.
+std::string settable(const std::string& model) {
+  return cameraModelFromString(model) ? model : "auto";
+}
+
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
   std::string sentence =
       evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
@@ -82,7 +87,7 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
     return {CalibrationState::kConverging,
             "the calibration is " + goodTo(evidence) + limit(evidence) +
                 ", as its model does not describe the lens",
-            "set the parameter model to " + evidence.better_model};
+            "set the parameter model to " + settable(evidence.better_model)};
   }
   if (was_converged && rms > evidence.threshold_px) {
     return {CalibrationState::kConverged,

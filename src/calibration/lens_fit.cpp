@@ -22,8 +22,8 @@ constexpr std::int64_t kMaxInterval = 100;
 // the outermost corners of a strongly distorted lens have none (3 % on one of 100 degrees that it
 // fits to 0.1 px elsewhere); on a lens of 125 degrees, which it does not fit, 10 %.
 constexpr double kMaxUndescribed = 0.05;
-// A richer lens is near its optimum after some ten steps. What a third of a sigma that is left
-// would add to the ratio is 0.1 / 2.
+// A richer lens is near its optimum after some ten steps. A third of a sigma that is left to go
+// changes the likelihood ratio by 0.1.
 constexpr int kMaxIterations = 15;
 constexpr double kSettled = 0.3;
 

@@ -75,6 +75,8 @@ TEST(Health, IsNotConvergedUnderAModelThatDoesNotFit) {
     EXPECT_NE(verdict.sentence.find("does not describe the lens"), std::string::npos);
     EXPECT_NE(verdict.hint.find("radtan"), std::string::npos) << verdict.hint;
   }
+  misfit.better_model = "radtan with k3";
+  EXPECT_NE(judgeHealth(misfit, kCamera, false).hint.find("auto"), std::string::npos);
   misfit.uncertainty = {0.9, 1.8};  // the misfit matters no more than the limit allows
   EXPECT_EQ(judgeHealth(misfit, kCamera, false).state, CalibrationState::kConverged);
 }
