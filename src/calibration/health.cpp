@@ -61,6 +61,11 @@ WeakDirection weakest(const HealthEvidence& evidence, const Camera& camera) {
                           camera);
 }
 
+// No parameter asks for k3: it is estimated where a comparison of models finds that it is needed.
+std::string settable(const std::string& model) {
+  return cameraModelFromString(model) ? model : "auto";
+}
+
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
   std::string sentence =
       evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
@@ -78,6 +83,12 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
                           bool was_converged) {
   const double rms = evidence.uncertainty.rms;
+  if (evidence.handed_over && rms > evidence.threshold_px && !evidence.better_model.empty()) {
+    return {CalibrationState::kConverging,
+            "the calibration is " + goodTo(evidence) + limit(evidence) +
+                ", as its model does not describe the lens",
+            "set the parameter model to " + settable(evidence.better_model)};
+  }
   if (was_converged && rms > evidence.threshold_px) {
     return {CalibrationState::kConverged,
             "the calibration had converged, but the newest stretches disagree with it: now only " +

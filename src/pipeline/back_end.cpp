@@ -25,6 +25,7 @@ std::string drifting(const LensDrift& drift) {
 BackEnd::BackEnd(const Options& options, const Camera& camera)
     : options_(options),
       model_choice_(ModelChoiceOptions()),
+      lens_fit_(LensFitOptions()),
       startup_(startupOptions(options), camera),
       queue_(options.queue_segments, options.alpha, options.score),
       estimate_(options.solver_threads),
@@ -58,6 +59,7 @@ BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
   if (!handed_over_) recallSetting(&output.events);
   considerRowTime();
   if (!handed_over_) considerHandover(report_.stamp_ns, &output.events);
+  considerLensFit();
   judge(report_.stamp_ns, &output.events);
   return finish(std::move(output));
 }
@@ -189,6 +191,7 @@ void BackEnd::clearQueue() {
   solution_ = QueueSolution();
   startup_course_.clear();
   follows_queue_ = false;
+  lens_fit_ = LensFit(LensFitOptions());
 }
 
 bool BackEnd::offer(const Candidate& candidate) {
@@ -225,9 +228,21 @@ void BackEnd::adoptSolution() {
   solution_.drift = presentDrift();
   report_.camera = solution_.present();
   report_.covariance = solution_.presentCovariance();
-  report_.uncertainty = pixelUncertainty(report_.camera, report_.covariance, field_);
+  noise_ = pixelUncertainty(report_.camera, report_.covariance, field_);
+  report_.uncertainty = lens_fit_.report().total(noise_);
   report_.entropy = entropy(report_.camera, report_.covariance);
   changed_ = true;
+}
+
+// Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.
+void BackEnd::considerLensFit() {
+  if (!handed_over_) return;
+  const bool verdict_due =
+      report_.state != CalibrationState::kConverged && noise_.rms <= convergedRms();
+  if (lens_fit_.consider(report_.keyframes, verdict_due, estimate_.candidates(), solution_, field_,
+                         options_.solver_threads)) {
+    adoptSolution();
+  }
 }
 
 void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
@@ -242,12 +257,15 @@ void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   evidence.threshold_px = convergedRms();
   evidence.epoch = report_.epoch;
   evidence.obstacle = obstacle_;
+  const LensFitReport& fit = report_.lens_fit = lens_fit_.report();
+  if (fit.misfit.rms > noise_.rms) evidence.better_model = fit.better;
   const bool was_converged = report_.state == CalibrationState::kConverged;
   const HealthVerdict verdict = judgeHealth(evidence, report_.camera, was_converged);
   report_.state = verdict.state;
   report_.sentence = verdict.sentence;
   const std::string choice = model_choice_.sentence();
   if (!choice.empty()) report_.sentence += "; " + choice;
+  if (handed_over_ && fit.compared) report_.sentence += "; " + fit.sentence();
   if (handed_over_ && solution_.drift.significant) report_.sentence += drifting(solution_.drift);
   report_.hint = verdict.hint;
   if (verdict.state == CalibrationState::kConverged && !was_converged) {

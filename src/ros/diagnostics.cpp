@@ -172,6 +172,7 @@ void Diagnostics::calibration(Status& status) {
   status.add("state", toString(report_.state));
   status.add("pixel uncertainty rms [px]", report_.uncertainty.rms);
   status.add("pixel uncertainty max [px]", report_.uncertainty.max);
+  if (report_.lens_fit.compared) status.add("lens fit", report_.lens_fit.sentence());
   status.add("shutter", describe(report_.shutter));
   status.add("revision", report_.revision);
   status.add("epoch", report_.epoch);

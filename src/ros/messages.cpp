@@ -125,6 +125,10 @@ Calibration toCalibration(const CalibrationReport& report, TrackingState trackin
   message.covariance.assign(covariance, covariance + report.covariance.size());
   message.pixel_uncertainty_rms = report.uncertainty.rms;
   message.pixel_uncertainty_max = report.uncertainty.max;
+  message.lens_fit = report.lens_fit.sentence();
+  message.better_model = report.lens_fit.better;
+  message.misfit_rms = report.lens_fit.misfit.rms;
+  message.misfit_max = report.lens_fit.misfit.max;
   message.entropy = report.entropy;
   message.rolling_shutter = report.shutter.rolls;
   message.readout_time = report.shutter.readout_s;

@@ -50,6 +50,14 @@ std::string modelsJson(const std::vector<ModelEvidence>& models) {
   return json::array(values);
 }
 
+std::string lensFitJson(const LensFitReport& fit) {
+  return json::object({{"sentence", json::string(fit.sentence())},
+                       {"better_model", json::string(fit.better)},
+                       {"misfit", json::object({{"rms", json::number(fit.misfit.rms)},
+                                                {"max", json::number(fit.misfit.max)}})},
+                       {"undescribed_share", json::number(fit.undescribed)}});
+}
+
 std::string eventsJson(const std::vector<Event>& events) {
   std::vector<std::string> values;
   values.reserve(events.size());
@@ -181,6 +189,7 @@ std::string summaryJson(const Recording& recording, const std::vector<json::Memb
       {"frames_per_second", json::number(rate)},
       {"queue", json::object({{"segments", count(report.queue.segments.size())},
                               {"swaps", count(report.queue.swaps)}})},
+      {"lens_fit", lensFitJson(report.lens_fit)},
       {"models", modelsJson(report.models)},
       {"events", eventsJson(recording.events)}};
   members.insert(members.end(), extra.begin(), extra.end());

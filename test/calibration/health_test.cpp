@@ -66,6 +66,21 @@ TEST(Health, StaysConvergedWithoutNewMotion) {
             CalibrationState::kConverging);
 }
 
+TEST(Health, IsNotConvergedUnderAModelThatDoesNotFit) {
+  HealthEvidence misfit = evidence(20, true, 1.4);
+  misfit.better_model = "radtan";
+  for (const bool was_converged : {false, true}) {
+    const HealthVerdict verdict = judgeHealth(misfit, kCamera, was_converged);
+    EXPECT_EQ(verdict.state, CalibrationState::kConverging);
+    EXPECT_NE(verdict.sentence.find("does not describe the lens"), std::string::npos);
+    EXPECT_NE(verdict.hint.find("radtan"), std::string::npos) << verdict.hint;
+  }
+  misfit.better_model = "radtan with k3";
+  EXPECT_NE(judgeHealth(misfit, kCamera, false).hint.find("auto"), std::string::npos);
+  misfit.uncertainty = {0.9, 1.8};  // the misfit matters no more than the limit allows
+  EXPECT_EQ(judgeHealth(misfit, kCamera, false).state, CalibrationState::kConverged);
+}
+
 TEST(Health, NamesWhatMotionDoesNotTell) {
   HealthEvidence weak = evidence(15, false, 5.0);
   weak.information = focalUnobserved();

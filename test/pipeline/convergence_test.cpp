@@ -58,6 +58,20 @@ TEST(Convergence, WithOutliers) {
   EXPECT_LT(worstSigmas(calibration.report(), truth), 3.5);
 }
 
+// As rectified images often keep some distortion.
+TEST(Convergence, NotUnderAModelThatMissesTheLens) {
+  const Camera truth = camera640(CameraModel::kRadtan, {420, 415, 325, 236, -0.03, 0.01, 0, 0});
+  TrackRun calibration(truth, optionsFor(CameraModel::kPinhole), TrackRunOptions());
+  calibration.run(400);
+  const CalibrationReport report = calibration.report();
+  ASSERT_TRUE(report.handed_over) << report.sentence;
+  EXPECT_EQ(report.state, CalibrationState::kConverging) << report.sentence;
+  EXPECT_FALSE(report.lens_fit.better.empty());
+  EXPECT_NE(report.sentence.find(report.lens_fit.sentence()), std::string::npos);
+  EXPECT_NE(report.hint.find(report.lens_fit.better), std::string::npos) << report.hint;
+  EXPECT_LT(pixelDistance(report.camera, truth).rms, 3.0 * report.uncertainty.rms);
+}
+
 TEST(Convergence, AMapLostBeforeHandOverTakesNothingWithIt) {
   const Camera truth = ordinaryCameras()[1];
   Options options = optionsFor(truth.model());

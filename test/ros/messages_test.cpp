@@ -67,7 +67,12 @@ TEST(Messages, CalibrationHasASigmaForEachValue) {
   Intrinsics values(9);
   values << 421, 422, 354, 252, -0.33, 0.16, 0.001, -0.002, -0.05;
   report.camera = Camera(CameraModel::kRadtan, 752, 480, values);
+  report.lens_fit = {true, "pinhole", "radtan", {5.0, 12.0}, 0.0};
   Calibration message = toCalibration(report, TrackingState::kTracking, "Follows.");
+  EXPECT_EQ(message.lens_fit, "pinhole is 5.0 px rms off, 12.0 px at worst: radtan describes it");
+  EXPECT_EQ(message.better_model, "radtan");
+  EXPECT_EQ(message.misfit_rms, 5.0);
+  EXPECT_EQ(message.misfit_max, 12.0);
   EXPECT_EQ(message.tracking_state, "TRACKING");
   EXPECT_EQ(message.calibration_state, Calibration::WAITING_FOR_MOTION);
   ASSERT_EQ(message.sigma.size(), 9u);

@@ -30,6 +30,8 @@ struct HealthEvidence {
   double threshold_px = 1.0;     ///< CONVERGED at or below this rms.
   std::uint64_t epoch = 0;       ///< How often the lens changed so far.
   std::string obstacle;          ///< Why there was no hand-over yet, in words; may be empty.
+  /// Describes the lens where the model in use misses it by more than its noise; may be empty.
+  std::string better_model;
 };
 
 /// State of the calibration with one plain sentence and the motion that would help.
@@ -39,7 +41,8 @@ struct HealthVerdict {
   std::string hint;
 };
 
-/// `was_converged`: CONVERGED is left only on a change or a reset, never for lack of motion.
+/// `was_converged`: CONVERGED is left only on a change, a reset or where the model turns out not to
+/// describe the lens, never for lack of motion.
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera, bool was_converged);
 
 }  // namespace camera_self_calibration

@@ -12,6 +12,7 @@
 #include "camera_self_calibration/calibration/change_detector.h"
 #include "camera_self_calibration/calibration/health.h"
 #include "camera_self_calibration/calibration/lens_drift.h"
+#include "camera_self_calibration/calibration/lens_fit.h"
 #include "camera_self_calibration/calibration/model_choice.h"
 #include "camera_self_calibration/calibration/queue_estimate.h"
 #include "camera_self_calibration/calibration/segment_queue.h"
@@ -104,11 +105,13 @@ class BackEnd {
   BackEndOutput finish(BackEndOutput output);
   void solveQueue();
   void adoptSolution();
+  void considerLensFit();
   void judge(std::int64_t stamp_ns, std::vector<Event>* events);
   void fillQueueReport();
 
   Options options_;
   ModelChoice model_choice_;
+  LensFit lens_fit_;
   Startup startup_;
   SegmentQueue queue_;
   QueueEstimate estimate_;
@@ -124,7 +127,8 @@ class BackEnd {
   // the queue before the newest change; of the first lens, which no queue has told yet, three
   // sigmas.
   Scatter usual_scatter_ = {40.0 * 3.0 * 3.0, 40};
-  std::int64_t epoch_onset_ns_ = 0;  // keyframes before it are of an earlier epoch
+  std::int64_t epoch_onset_ns_ = 0;           // keyframes before it are of an earlier epoch
+  PixelError noise_ = PixelError::unknown();  // the reported uncertainty without any misfit
   bool handed_over_ = false;
   bool follows_queue_ = false;  // before hand-over: the queue's estimate is the better one
   bool changed_ = false;        // the estimate, by the newest keyframe

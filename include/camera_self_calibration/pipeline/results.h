@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "camera_self_calibration/calibration/health.h"
+#include "camera_self_calibration/calibration/lens_fit.h"
 #include "camera_self_calibration/calibration/model_choice.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
@@ -99,6 +100,7 @@ struct CalibrationReport {
   std::int64_t keyframes = 0;  ///< Seen so far.
   QueueReport queue;
   ShutterReport shutter;
+  LensFitReport lens_fit;  ///< Its misfit counts in `uncertainty`.
   /// Of the newest comparison of lens models; empty unless the model is to be chosen.
   std::vector<ModelEvidence> models;
 };
