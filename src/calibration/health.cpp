@@ -72,6 +72,9 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
   if (evidence.has_estimate) {
     sentence += "; so far " + goodTo(evidence) +
                 formatted(" (hand-over below %.2f px)", 2.0 * evidence.threshold_px);
+  }
+  // Also where so many keyframes have no solution yet.
+  if (evidence.has_estimate || evidence.keyframes >= kKeyframesToJudge) {
     sentence += ", least known: " + weak.name;
   }
   if (!evidence.obstacle.empty()) sentence += "; " + evidence.obstacle;

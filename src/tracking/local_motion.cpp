@@ -62,7 +62,7 @@ void LocalMotion::add(const cv::Point2f& from, const cv::Point2f& to) {
 }
 
 void LocalMotion::weighOutliers() {
-  scatter_ = std::numeric_limits<double>::infinity();
+  scatter_ = 0.0;
   if (count_ < kMinPairs) return;
   misses_.clear();
   for (std::size_t i = 0; i < count_; ++i) {

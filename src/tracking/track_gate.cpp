@@ -12,6 +12,9 @@ constexpr double kMaxSigma = 0.7;
 // the warp model.
 constexpr double kNoiseFactor = 3.0;
 constexpr double kContrastShare = 0.005;
+// Of the contrast that is seen, left over by noise and all else: of two patches of nothing but
+// noise no registration explains half.
+constexpr double kMaxUnexplained = 0.5;
 constexpr double kMinGain = 0.2;
 constexpr double kMaxGain = 5.0;
 
@@ -45,7 +48,9 @@ double TrackGate::whiteNoise() const { return kWhiteFactor * noise_; }
 
 bool TrackGate::accepts(const Registration& registration) const {
   return registration.status == Registration::Status::kGood && registration.gain > kMinGain &&
-         registration.gain < kMaxGain && sigma(registration) <= kMaxSigma;
+         registration.gain < kMaxGain &&
+         registration.residual <= kMaxUnexplained * registration.contrast &&
+         sigma(registration) <= kMaxSigma;
 }
 
 bool TrackGate::looksTheSame(const Registration& registration) const {

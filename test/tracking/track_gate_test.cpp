@@ -46,6 +46,15 @@ TEST(TrackGate, APoorMeasurementIsKeptUntilItSaysNothing) {
   EXPECT_FALSE(gate.accepts(registration(80.0)));
 }
 
+TEST(TrackGate, NoiseAloneIsNoPatch) {
+  const TrackGate gate = gateOfNoise(1.0);
+  Registration result = registration(1.0);
+  result.contrast = 1.5;
+  EXPECT_FALSE(gate.accepts(result));
+  result.contrast = 15.0;
+  EXPECT_TRUE(gate.accepts(result));
+}
+
 TEST(TrackGate, RefusesWhatWasNotFoundAndWhatTurnedDark) {
   const TrackGate gate = gateOfNoise(1.0);
   Registration result = registration(1.0);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <limits>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -33,7 +32,7 @@ class LocalMotion {
   Motion at(const Eigen::Vector2d& pixel) const;
 
   /// How far features that are followed rightly are from where their neighbours expect them, by
-  /// parallax and the flow's errors [px]; infinite where nothing is known of the neighbourhood.
+  /// parallax and the flow's errors [px]; 0 where too few say anything of their neighbourhood.
   double scatter() const { return scatter_; }
 
  private:
@@ -48,7 +47,7 @@ class LocalMotion {
   std::vector<double> misses_;
   std::vector<double> sorted_;
   double reach_ = 1.0;
-  double scatter_ = std::numeric_limits<double>::infinity();
+  double scatter_ = 0.0;
 };
 
 }  // namespace camera_self_calibration
