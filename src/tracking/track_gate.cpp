@@ -12,6 +12,9 @@ constexpr double kMaxSigma = 0.7;
 // the warp model.
 constexpr double kNoiseFactor = 3.0;
 constexpr double kContrastShare = 0.005;
+// Of the contrast, beyond noise: where a silhouette shows more of what is behind, its pull is more
+// often wrong than its sigma says.
+constexpr double kMaxMisfitShare = 0.03;
 // Of the contrast that is seen, left over by noise and all else: of two patches of nothing but
 // noise no registration explains half.
 constexpr double kMaxUnexplained = 0.5;
@@ -27,7 +30,7 @@ constexpr double kFloor = 0.006;  // [px] What the warp model and the interpolat
 constexpr double kMisfitFactor = 1.5;
 // [px] Between two things that one patch shows: the share of its contrast that is not its own pulls
 // it by that share of this. Both are from the residuals of real tracks after bundle adjustment.
-constexpr double kDisplacement = 20.0;
+constexpr double kDisplacement = 10.0;
 
 constexpr double kMinContrast = 1.0;  // [gray^2] Below lies the noise of any camera.
 
@@ -36,11 +39,16 @@ constexpr double kForget = 0.1;
 
 }  // namespace
 
+// What noise does not explain of the difference left over.
+double TrackGate::misfit(const Registration& registration) const {
+  return std::max(0.0, kResidualFactor * registration.residual - noise_);
+}
+
 double TrackGate::sigma(const Registration& registration) const {
-  const double misfit = std::max(0.0, kResidualFactor * registration.residual - noise_);
+  const double beyond = misfit(registration);
   const double variance =
-      0.5 * registration.unit_covariance.trace() * kWhiteFactor * (noise_ + kMisfitFactor * misfit);
-  const double pull = kDisplacement * misfit / std::max(registration.contrast, kMinContrast);
+      0.5 * registration.unit_covariance.trace() * kWhiteFactor * (noise_ + kMisfitFactor * beyond);
+  const double pull = kDisplacement * beyond / std::max(registration.contrast, kMinContrast);
   return std::sqrt(variance + pull * pull + kFloor * kFloor);
 }
 
@@ -50,6 +58,7 @@ bool TrackGate::accepts(const Registration& registration) const {
   return registration.status == Registration::Status::kGood && registration.gain > kMinGain &&
          registration.gain < kMaxGain &&
          registration.residual <= kMaxUnexplained * registration.contrast &&
+         misfit(registration) <= kMaxMisfitShare * registration.contrast &&
          sigma(registration) <= kMaxSigma;
 }
 

@@ -34,6 +34,8 @@ class TrackGate {
   double whiteNoise() const;
 
  private:
+  double misfit(const Registration& registration) const;
+
   double noise_ = 1.0;
   int images_ = 0;
   std::vector<double> residuals_;
