@@ -1,6 +1,7 @@
 #include "camera_self_calibration/pipeline/front_end.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 #include "camera_self_calibration/map/rolling_shutter.h"
@@ -230,8 +231,12 @@ void FrontEnd::seekOlderMap(const TrackedFrame& whole, const Describe& describe,
                             FrontEndOutput* output) {
   // Before that poses and depths are those of a guessed lens.
   const bool knows_lens = handed_over_ || window_.generation() > 0;
-  const auto relocation = relocalizer_.atKeyframe(map_id_, window_.map(), window_.camera(),
-                                                  whole.tracks, knows_lens, describe);
+  // A track that is poor by now no longer looks as the place does.
+  std::vector<Track> good;
+  std::copy_if(whole.tracks.begin(), whole.tracks.end(), std::back_inserter(good),
+               [](const Track& track) { return track.sigma <= kGoodTrackSigma; });
+  const auto relocation =
+      relocalizer_.atKeyframe(map_id_, window_.map(), window_.camera(), good, knows_lens, describe);
   if (!relocation) return;
   const std::uint64_t left = std::exchange(map_id_, relocation->map_id);
   moved_ = MapMove{left, map_id_, relocation->old_from_new};

@@ -105,7 +105,7 @@ bool Tracker::Impl::begin(const Corner& corner) {
   if (crowded(feature.pixel, minDistance())) return false;
   // Registered on itself: what sigma the next images are to expect.
   const Registration itself = registrations_[0].run(&patch, current_, feature.warp);
-  if (!gate_.accepts(itself) || gate_.sigma(itself) > Feature::kGoodSigma) return false;
+  if (!gate_.accepts(itself) || gate_.sigma(itself) > kGoodTrackSigma) return false;
   if (!seenBefore(&feature)) return false;
   feature.sigma = gate_.sigma(itself);
   feature.id = next_id_++;

@@ -32,10 +32,8 @@ struct Feature {
   double sigma = 0.0;                                         // of that [px]
   int missed = 0;                                             // images since it was last found
 
-  // [px] A new feature's, at most.
-  static constexpr double kGoodSigma = 0.2;
   // Others are in reserve: a new feature would tell more.
-  bool good() const { return missed == 0 && sigma <= kGoodSigma; }
+  bool good() const { return missed == 0 && sigma <= kGoodTrackSigma; }
 };
 
 struct Tracker::Impl {

@@ -12,6 +12,9 @@
 
 namespace camera_self_calibration {
 
+/// Sigma of a good track, at most [px]; a new one is good.
+inline constexpr double kGoodTrackSigma = 0.2;
+
 struct TrackerOptions {
   /// Good tracks, at most. Those that have become poor, or are not found for some images, are
   /// followed beside them, as many again at most.
