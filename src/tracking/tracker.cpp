@@ -65,20 +65,19 @@ void Tracker::Impl::predict() {
 
 // By the flow, or else by the motion of the neighbours: where a feature nears the image's edge, or
 // its surroundings change, the flow fails first. Features do not touch each other's state.
-bool Tracker::Impl::find(std::size_t i, PatchRegistration* worker) {
+void Tracker::Impl::find(std::size_t i, PatchRegistration* worker) {
   Feature& feature = features[i];
   const LocalMotion::Motion motion = local_motion_.at(feature.warp.pixel);
   const Eigen::Matrix2d linear = motion.linear * feature.warp.linear;
   const int flow = flow_index_[i];
   if (flow >= 0 && flow_.found(static_cast<std::size_t>(flow))) {
     const cv::Point2f& there = predicted_[static_cast<std::size_t>(flow)];
-    if (findFrom(i, {{there.x, there.y}, linear}, motion.pixel, worker)) return true;
+    if (findFrom(i, {{there.x, there.y}, linear}, motion.pixel, worker)) return;
   }
-  if (findFrom(i, {motion.pixel, linear}, motion.pixel, worker)) return true;
+  if (findFrom(i, {motion.pixel, linear}, motion.pixel, worker)) return;
   feature.velocity = motion.pixel - feature.warp.pixel;
   feature.warp = {motion.pixel, linear};
   ++feature.missed;
-  return false;
 }
 
 // Where the neighbours do not expect it, only what looks the same is the same: else it is another
@@ -104,20 +103,18 @@ bool Tracker::Impl::findFrom(std::size_t i, const Warp& start, const Eigen::Vect
 }
 
 void Tracker::Impl::search() {
-  found_.assign(features.size(), 0);
   registered_.resize(features.size());
   inStripes(static_cast<int>(features.size()), [this](int stripe, int begin, int end) {
     PatchRegistration* worker = &registrations_[static_cast<std::size_t>(stripe)];
     for (int i = begin; i < end; ++i) {
-      const auto feature = static_cast<std::size_t>(i);
-      found_[feature] = find(feature, worker);
+      find(static_cast<std::size_t>(i), worker);
     }
   });
 }
 
 bool Tracker::Impl::mayReturn(const Feature& feature) const {
-  const Eigen::Vector2d& pixel = feature.missed > 0 ? feature.warp.pixel : feature.pixel;
-  return feature.missed <= kMaxMissed && usable_area_.contains(pixel.x(), pixel.y());
+  return feature.missed <= kMaxMissed &&
+         usable_area_.contains(feature.place().x(), feature.place().y());
 }
 
 // Features that are not found, or poorly, do not keep others from starting: they are followed
@@ -144,7 +141,7 @@ void Tracker::Impl::advance() {
   search();
   accepted_.clear();
   for (std::size_t i = 0; i < features.size(); ++i) {
-    if (found_[i] != 0) accepted_.push_back(registered_[i]);
+    if (features[i].missed == 0) accepted_.push_back(registered_[i]);
   }
   keepIf([this](const Feature& feature) { return mayReturn(feature); });
   limitReserve();

@@ -53,8 +53,7 @@ bool Tracker::Impl::allowed(const Corner& corner) const {
 bool Tracker::Impl::crowded(const Eigen::Vector2d& pixel, double distance) const {
   return std::any_of(features.begin(), features.end(), [&](const Feature& feature) {
     const double reach = feature.good() ? distance : std::min(distance, kSameCorner);
-    const Eigen::Vector2d& there = feature.missed == 0 ? feature.pixel : feature.warp.pixel;
-    return (there - pixel).squaredNorm() < reach * reach;
+    return (feature.place() - pixel).squaredNorm() < reach * reach;
   });
 }
 

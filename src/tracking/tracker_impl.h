@@ -32,6 +32,8 @@ struct Feature {
   double sigma = 0.0;                                         // of that [px]
   int missed = 0;                                             // images since it was last found
 
+  // Where it is, or would be.
+  const Eigen::Vector2d& place() const { return missed > 0 ? warp.pixel : pixel; }
   // Others are in reserve: a new feature would tell more.
   bool good() const { return missed == 0 && sigma <= kGoodTrackSigma; }
 };
@@ -57,7 +59,7 @@ struct Tracker::Impl {
  private:
   void predict();
   void search();
-  bool find(std::size_t i, PatchRegistration* worker);
+  void find(std::size_t i, PatchRegistration* worker);
   bool findFrom(std::size_t i, const Warp& start, const Eigen::Vector2d& expected,
                 PatchRegistration* worker);
   bool accepts(const Registration& result, const Eigen::Vector2d& expected) const;
@@ -91,8 +93,7 @@ struct Tracker::Impl {
   std::vector<cv::Point2f> from_;
   std::vector<cv::Point2f> predicted_;
   std::vector<int> flow_index_;  // of each feature in them; -1: none
-  // Of all features of an image, whether they were found and how; of those that were.
-  std::vector<char> found_;
+  // How the features of an image were found, where they were; of those that were.
   std::vector<Registration> registered_;
   std::vector<Registration> accepted_;
   std::vector<const Feature*> reserve_;  // not good
