@@ -5,9 +5,9 @@
 #include <limits>
 #include <numeric>
 
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/transfer.h"
-#include "camera_self_calibration/geometry/median.h"
 
 namespace camera_self_calibration {
 namespace {

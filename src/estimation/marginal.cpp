@@ -7,9 +7,9 @@
 #include <limits>
 #include <vector>
 
+#include "camera_self_calibration/base/parallel.h"
 #include "camera_self_calibration/estimation/depth_noise.h"
 #include "camera_self_calibration/estimation/linear_segments.h"
-#include "camera_self_calibration/estimation/parallel.h"
 
 namespace camera_self_calibration {
 

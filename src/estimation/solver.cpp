@@ -5,8 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "camera_self_calibration/base/parallel.h"
 #include "camera_self_calibration/estimation/linear_segments.h"
-#include "camera_self_calibration/estimation/parallel.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/transfer.h"

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/base/median.h"
 
 namespace camera_self_calibration {
 

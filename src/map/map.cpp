@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {

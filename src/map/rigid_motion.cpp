@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {

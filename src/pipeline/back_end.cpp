@@ -2,9 +2,9 @@
 
 #include <limits>
 
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/marginal.h"
-#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {

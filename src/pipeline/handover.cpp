@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/estimation/entropy.h"
-#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/pipeline/back_end.h"
 
 namespace camera_self_calibration {

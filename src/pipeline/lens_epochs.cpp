@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
-#include "camera_self_calibration/calibration/candidate_outlook.h"
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/back_end.h"
+#include "camera_self_calibration/queue/candidate_outlook.h"
 
 namespace camera_self_calibration {
 namespace {

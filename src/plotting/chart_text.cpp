@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/plotting/sheet.h"
 
 namespace camera_self_calibration {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/plotting/axes.h"
 
 namespace camera_self_calibration {

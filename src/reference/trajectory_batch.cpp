@@ -2,10 +2,10 @@
 
 #include <cmath>
 
-#include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/queue/segment_fit.h"
 #include "camera_self_calibration/reference/batch.h"
 
 namespace camera_self_calibration {

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <system_error>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/model_conversion.h"
 

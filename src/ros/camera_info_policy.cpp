@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 
 namespace camera_self_calibration {
 namespace {

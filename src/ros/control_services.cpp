@@ -2,7 +2,7 @@
 
 #include <exception>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/driver_commit.h"
 #include "camera_self_calibration/ros/model_conversion.h"

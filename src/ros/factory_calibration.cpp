@@ -3,8 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
-#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/ros/camera_info.h"
 
 namespace camera_self_calibration {

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/plotting/palette.h"
 #include "camera_self_calibration/ros/messages.h"
 

@@ -1,6 +1,6 @@
 #include "camera_self_calibration/ros/storage_status.h"
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 
 namespace camera_self_calibration {
 

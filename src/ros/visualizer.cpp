@@ -8,7 +8,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/plotting/convergence_chart.h"
 #include "camera_self_calibration/ros/scene_messages.h"
 #include "camera_self_calibration/ros/stamps.h"

@@ -5,7 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
-#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
 #include "command_line.h"

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/ros/stamps.h"
 
 namespace camera_self_calibration {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 
 namespace camera_self_calibration::json {
 namespace {

@@ -7,7 +7,7 @@
 #include <iomanip>
 #include <stdexcept>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/ros/messages.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/json.h"

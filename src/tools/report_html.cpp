@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "batch_figures.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/plotting/palette.h"
 #include "camera_self_calibration/plotting/teaching_chart.h"
 #include "html_page.h"

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <limits>
 
-#include "camera_self_calibration/calibration/queue_residuals.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/geometry/formatted.h"
 #include "camera_self_calibration/plotting/histogram.h"
 #include "camera_self_calibration/plotting/image_map.h"
 #include "camera_self_calibration/plotting/trajectory_chart.h"
+#include "camera_self_calibration/queue/queue_residuals.h"
 #include "camera_self_calibration/reference/trajectory_comparison.h"
 
 namespace camera_self_calibration {

@@ -4,7 +4,7 @@
 #include <iomanip>
 #include <sstream>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/simulation/tum_file.h"
 #include "camera_self_calibration/tools/json.h"
 

@@ -6,7 +6,7 @@
 #include <opencv2/videoio.hpp>
 #include <stdexcept>
 
-#include "camera_self_calibration/geometry/formatted.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/tools/image_source.h"
 
 namespace camera_self_calibration {

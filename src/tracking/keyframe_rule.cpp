@@ -6,7 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {

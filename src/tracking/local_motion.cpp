@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "camera_self_calibration/geometry/cpu_clones.h"
+#include "camera_self_calibration/base/cpu_clones.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "camera_self_calibration/geometry/cpu_clones.h"
+#include "camera_self_calibration/base/cpu_clones.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "camera_self_calibration/geometry/cpu_clones.h"
+#include "camera_self_calibration/base/cpu_clones.h"
 #include "camera_self_calibration/tracking/float_block.h"
 
 namespace camera_self_calibration {

@@ -23,7 +23,7 @@
 #include "benchmark/csv_rows.h"
 #include "benchmark/degenerate_trial.h"
 #include "benchmark/random_lens.h"
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/base/median.h"
 
 namespace camera_self_calibration {
 namespace {

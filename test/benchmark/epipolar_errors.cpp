@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 
 namespace camera_self_calibration {

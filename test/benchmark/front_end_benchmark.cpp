@@ -5,7 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
-#include "camera_self_calibration/calibration/sliding_window.h"
+#include "camera_self_calibration/localization/sliding_window.h"
 #include "camera_self_calibration/simulation/simulated_sequence.h"
 #include "camera_self_calibration/tracking/flow_prediction.h"
 #include "camera_self_calibration/tracking/harris.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
 #include "camera_self_calibration/simulation/room.h"

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "benchmark/pipeline_run.h"
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/tools/image_source.h"
 
 namespace camera_self_calibration {

@@ -18,8 +18,8 @@
 
 #include "benchmark/program_arguments.h"
 #include "benchmark/random_lens.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "pipeline/track_run.h"
 

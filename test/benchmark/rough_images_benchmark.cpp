@@ -16,8 +16,8 @@
 #include "benchmark/program_arguments.h"
 #include "benchmark/random_lens.h"
 #include "benchmark/rough_sequence.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 
 namespace camera_self_calibration {

@@ -8,7 +8,7 @@
 #include <sstream>
 
 #include "benchmark/csv_rows.h"
-#include "camera_self_calibration/geometry/median.h"
+#include "camera_self_calibration/base/median.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <iostream>
 
-#include "camera_self_calibration/calibration/segment_fit.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/queue/segment_fit.h"
 #include "estimation/sample_segments.h"
 
 namespace camera_self_calibration {

@@ -5,7 +5,7 @@
 
 #include "benchmark/changing_tracks.h"
 #include "benchmark/random_lens.h"
-#include "calibration/change_samples.h"
+#include "lens_change/change_samples.h"
 #include "pipeline/track_run.h"
 #include "sanitized.h"
 

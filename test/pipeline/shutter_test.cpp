@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
-#include "camera_self_calibration/calibration/queue_estimate.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
+#include "camera_self_calibration/queue/queue_estimate.h"
 #include "estimation/sample_segments.h"
 #include "pipeline/track_run.h"
 

@@ -24,8 +24,8 @@
 #include <memory>
 #include <set>
 
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/geometry/median.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/simulation/room.h"
 #include "camera_self_calibration/tools/truth_table.h"

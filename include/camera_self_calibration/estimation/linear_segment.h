@@ -4,11 +4,11 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/panel.h"
 #include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/segment_structure.h"
 #include "camera_self_calibration/estimation/transfer.h"
-#include "camera_self_calibration/geometry/panel.h"
 
 namespace camera_self_calibration {
 
@@ -54,8 +54,8 @@ class LinearSegment {
   void eliminate(double damping);
   IntrinsicsMatrix reducedHessian() const;
   Intrinsics reducedGradient() const;
-  /// After eliminate(0): `|r|^2 / 2` at its least, to first order, over the segment's variables, with
-  /// the intrinsics as they are.
+  /// After eliminate(0): `|r|^2 / 2` at its least, to first order, over the segment's variables,
+  /// with the intrinsics as they are.
   double reducedCost() const { return 0.5 * reduced_(tail_ - 1, tail_ - 1); }
 
   /// After linearize(.., true) and eliminate(0), at an optimum: `sum s s^T` over the landmarks'

@@ -7,21 +7,21 @@
 #include <utility>
 #include <vector>
 
-#include "camera_self_calibration/calibration/agreement.h"
-#include "camera_self_calibration/calibration/candidate_window.h"
-#include "camera_self_calibration/calibration/change_detector.h"
-#include "camera_self_calibration/calibration/health.h"
-#include "camera_self_calibration/calibration/lens_drift.h"
-#include "camera_self_calibration/calibration/lens_fit.h"
-#include "camera_self_calibration/calibration/model_choice.h"
-#include "camera_self_calibration/calibration/queue_estimate.h"
-#include "camera_self_calibration/calibration/segment_queue.h"
-#include "camera_self_calibration/calibration/setting_archive.h"
-#include "camera_self_calibration/calibration/startup.h"
+#include "camera_self_calibration/lens_change/change_detector.h"
+#include "camera_self_calibration/lens_change/lens_drift.h"
+#include "camera_self_calibration/lens_change/setting_archive.h"
+#include "camera_self_calibration/model_choice/lens_fit.h"
+#include "camera_self_calibration/model_choice/model_choice.h"
 #include "camera_self_calibration/pipeline/front_end.h"
+#include "camera_self_calibration/pipeline/health.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
+#include "camera_self_calibration/queue/agreement.h"
+#include "camera_self_calibration/queue/candidate_window.h"
+#include "camera_self_calibration/queue/queue_estimate.h"
+#include "camera_self_calibration/queue/segment_queue.h"
+#include "camera_self_calibration/startup/startup.h"
 
 namespace camera_self_calibration {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "camera_self_calibration/calibration/recheck.h"
+#include "camera_self_calibration/lens_change/recheck.h"
 #include "camera_self_calibration/pipeline/back_end.h"
 
 namespace camera_self_calibration {
@@ -34,7 +34,7 @@ class CheckedBackEnd {
   Options options_;
   BackEnd main_;
   std::unique_ptr<BackEnd> fresh_;  // while a saved state is being checked
-  bool announced_ = true;  // that a restored calibration is in use
+  bool announced_ = true;           // that a restored calibration is in use
   std::int64_t first_stamp_ns_ = 0;
   int contradictions_ = 0;  // in a row
 };

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "camera_self_calibration/calibration/innovation_monitor.h"
-#include "camera_self_calibration/calibration/relocalizer.h"
-#include "camera_self_calibration/calibration/sliding_window.h"
+#include "camera_self_calibration/lens_change/innovation_monitor.h"
+#include "camera_self_calibration/localization/relocalizer.h"
+#include "camera_self_calibration/localization/sliding_window.h"
 #include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
@@ -120,8 +120,8 @@ class FrontEnd {
   std::uint64_t next_map_id_ = 1;
   TrackingState state_ = TrackingState::kInitializing;
   std::optional<MapMove> moved_;  // not told yet
-  bool map_tracked_ = false;    // a pose was found in this map
-  bool loss_reported_ = false;  // and tracking is not back yet
+  bool map_tracked_ = false;      // a pose was found in this map
+  bool loss_reported_ = false;    // and tracking is not back yet
   int frames_without_pose_ = 0;
   Rigid3 world_from_camera_;        // of the last frame with a pose
   Rigid3 last_motion_;              // from it to the one with a pose before it

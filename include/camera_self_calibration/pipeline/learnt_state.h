@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "camera_self_calibration/calibration/candidate_window.h"
-#include "camera_self_calibration/calibration/health.h"
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/pipeline/health.h"
+#include "camera_self_calibration/queue/candidate_window.h"
 
 namespace camera_self_calibration {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "camera_self_calibration/calibration/segment_queue.h"
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/queue/segment_queue.h"
 #include "camera_self_calibration/tracking/keyframe_rule.h"
 #include "camera_self_calibration/tracking/tracker.h"
 

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "camera_self_calibration/calibration/health.h"
-#include "camera_self_calibration/calibration/lens_fit.h"
-#include "camera_self_calibration/calibration/model_choice.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/rigid3.h"
 #include "camera_self_calibration/geometry/similarity.h"
+#include "camera_self_calibration/model_choice/lens_fit.h"
+#include "camera_self_calibration/model_choice/model_choice.h"
+#include "camera_self_calibration/pipeline/health.h"
 #include "camera_self_calibration/tracking/track.h"
 
 namespace camera_self_calibration {

@@ -2,7 +2,7 @@
 
 #include <opencv2/core/types.hpp>
 
-#include "camera_self_calibration/calibration/health.h"
+#include "camera_self_calibration/pipeline/health.h"
 #include "camera_self_calibration/pipeline/results.h"
 
 namespace camera_self_calibration {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "camera_self_calibration/calibration/candidate_window.h"
+#include "camera_self_calibration/queue/candidate_window.h"
 
 namespace camera_self_calibration {
 

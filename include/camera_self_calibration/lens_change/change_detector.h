@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/lens_change/lens_change.h"
+#include "camera_self_calibration/queue/agreement.h"
+#include "camera_self_calibration/queue/candidate_outlook.h"
+#include "camera_self_calibration/queue/candidate_window.h"
+#include "camera_self_calibration/queue/queue_estimate.h"
+
+namespace camera_self_calibration {
+
+/// What a keyframe said of whether the camera is still the one that the queue describes.
+struct ChangeVerdict {
+  enum class Kind {
+    kSame,     ///< Nothing speaks against it.
+    kDoubt,    ///< Not decided: what is seen now must not enter the queue.
+    kBadData,  ///< Fits no lens: says nothing, and must not enter the queue either.
+    kDrift,    ///< The lens changed slowly: segments that describe the past should go.
+    kChange    ///< The lens changed at onset_ns: an alarm.
+  };
+  Kind kind = Kind::kSame;
+  double p_value = 1.0;           ///< Of the decisive statistic.
+  std::int64_t onset_ns = 0;      ///< kChange: stamp of the first keyframe after the change.
+  Camera camera;                  ///< kChange, kDrift: the estimate for what is seen now.
+  IntrinsicsMatrix information;   ///< Of `camera`, n_c x n_c.
+  double excess = 0.0;            ///< kChange by the newest window: its statistic per observation.
+  Segment segment;                ///< kChange: the newest stretch, solved; may begin earlier.
+  std::vector<Candidate> recent;  ///< kChange, kDrift: disjoint stretches after the change.
+  std::vector<std::int64_t> stale;  ///< kDrift: sequences of the queue's segments to retire.
+  std::string reason;               ///< In words, but for kSame.
+};
+
+/// Tells whether the intrinsics changed, with a stated rate of false alarms. Fast: a suspicion from
+/// the frames' innovations, confirmed by a likelihood ratio over the newest window with the lens
+/// before the suspected onset held (testLensChange). Slow: disjoint windows, one by one and the
+/// newest two, four and eight together, against the queue without what overlaps them (agreement),
+/// and, where the queue may hold some from after a small step, all for such a step (estimateStep).
+/// Every keyframe spends the share `rate * interval / 3600 s` of the allowed false alarms, over all
+/// its tests (Bonferroni). An alarm of the newest window is raised when a few keyframes in a row
+/// find the same new lens: a window solved into a wrong minimum says something else at each
+/// keyframe.
+class ChangeDetector {
+ public:
+  /// Alarms per hour while nothing changes; 0: never any alarm.
+  explicit ChangeDetector(double false_alarms_per_hour) : rate_(false_alarms_per_hour) {}
+
+  /// A keyframe's window as it came (`window`) and as a solved candidate; `suspected_onset_ns` is
+  /// that of InnovationMonitor, 0 for none.
+  ChangeVerdict examine(const Segment& window, const Candidate& candidate,
+                        std::int64_t suspected_onset_ns, const QueueEstimate& queue,
+                        const QueueSolution& solution);
+
+  /// For a window that will not enter the queue: the p-value of its outlook, if that leaves no
+  /// need to solve it as a candidate for examine(). Nothing where anything is suspected or in
+  /// doubt, where the tracks fit worse than usual, or where the window is the first after those
+  /// that the slow tests remember.
+  std::optional<double> clearlySame(const CandidateOutlook& outlook,
+                                    std::int64_t suspected_onset_ns, const QueueEstimate& queue,
+                                    const QueueSolution& solution);
+
+  /// The same while the lens is still being learnt, against what was known of it before the window
+  /// began.
+  ChangeVerdict examineUnfinished(const Segment& window, const Candidate& candidate,
+                                  const Reference& reference);
+
+  /// The newest disjoint stretches that fit a lens as well as the queue's segments and share no
+  /// moment with them.
+  std::vector<Evidence> stretchesBeside(const QueueEstimate& queue) const;
+
+  /// Forgets what was seen, at the beginning of an epoch.
+  void reset() {
+    recent_.clear();
+    findings_ = 0;
+    in_doubt_ = false;
+  }
+
+  /// p-value below which the newest keyframe's tests raise an alarm.
+  double limit() const;
+
+ private:
+  static constexpr double kDoubt = 1e-2;  // p-value below which nothing enters the queue
+
+  struct Stretch {
+    Candidate candidate;
+    Evidence evidence;
+  };
+
+  static std::string withP(const char* text, double p_value);
+  void measureInterval(std::int64_t stamp_ns);
+  ChangeVerdict examineKeyframe(const Segment& window, const Candidate& candidate,
+                                std::int64_t suspected_onset_ns, const QueueEstimate& queue,
+                                const QueueSolution& solution);
+  ChangeVerdict examineSuspicion(const Segment& window, int earlier_keyframes,
+                                 const Reference& reference) const;
+  ChangeVerdict examineCandidate(const Segment& window, const Candidate& candidate,
+                                 const Reference& reference, const QueueEstimate& queue,
+                                 const QueueSolution& solution);
+  ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
+  ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
+                              const Reference& reference) const;
+  // In slow_change.cpp: the newest stretches.
+  bool isNewStretch(std::int64_t begin_ns) const;  // shares nothing with those remembered
+  void remember(const Candidate& candidate, const Evidence& evidence);
+  std::vector<Evidence> allStretches(const QueueEstimate& queue) const;
+  ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;
+  ChangeVerdict examineStep(const QueueEstimate& queue, const QueueSolution& solution) const;
+  ChangeVerdict explain(const Reference& reference, double p_value, const QueueEstimate& queue,
+                        const QueueSolution& solution) const;
+
+  double rate_;
+  double interval_s_ = 0.3;  // between keyframes, running mean
+  std::int64_t last_stamp_ns_ = 0;
+  double usual_residual_scale_ = 1.0;
+  std::deque<Stretch> recent_;  // disjoint, in the order of time
+  bool in_doubt_ = false;       // what the newest keyframe said
+  int findings_ = 0;            // keyframes in a row that found the lens `found_`
+  Camera found_;
+};
+
+}  // namespace camera_self_calibration

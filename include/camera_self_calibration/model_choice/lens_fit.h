@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/image_field.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/queue/queue_estimate.h"
+
+namespace camera_self_calibration {
+
+/// Whether the model in use describes the lens, by the newest comparison with richer ones.
+struct LensFitReport {
+  bool compared = false;  ///< Else nothing is known yet.
+  std::string model;      ///< The one in use.
+  std::string better;     ///< Describes the lens where `model` misses it; empty: `model` does.
+  /// Distance of the lens in use from the better one, a rotation of the camera removed, over the
+  /// image, less what the uncertainties of both explain [px]. Pixels without a ray, unless they are
+  /// a negligible rim, count like observations that cannot be predicted
+  /// (kUnpredictableResidualPx).
+  PixelError misfit;
+  /// Share of the image that has rays under the better model and none under the one in use.
+  double undescribed = 0.0;
+
+  /// Whether `model` has rays for the image but for a negligible rim.
+  bool describesImage() const;
+  /// `uncertainty`, which is that of noise, with the misfit in quadrature.
+  PixelError total(const PixelError& uncertainty) const;
+  /// In words; empty before the first comparison.
+  std::string sentence() const;
+};
+
+struct LensFitOptions {
+  /// Probability of calling a model wrong that is right, in one comparison; a run makes some ten.
+  double significance = 1e-4;
+};
+
+/// Holds the model in use against richer lenses, which are published nowhere: radtan with k3 and
+/// equidistant. Each starts from the lens in use and is fitted to the queue's segments, for a
+/// likelihood ratio. Compares at geometric intervals of keyframes (at most 100), and only when the
+/// queue has changed, so that the effort per keyframe stays bounded.
+class LensFit {
+ public:
+  explicit LensFit(const LensFitOptions& options) : options_(options) {}
+
+  /// Compares if it is time to, or if `verdict_due` (the calibration is about to be called good)
+  /// and no misfit is known. `solution` is that of `queue` as it is. True if it compared.
+  bool consider(std::int64_t keyframes, bool verdict_due, const std::vector<Candidate>& queue,
+                const QueueSolution& solution, const ImageField& field, int threads);
+
+  const LensFitReport& report() const { return report_; }
+
+ private:
+  LensFitOptions options_;
+  LensFitReport report_;
+  std::vector<std::int64_t> compared_;  // sequences of the segments of the newest comparison
+  std::int64_t next_ = 0;               // count of keyframes at which to compare
+};
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/map/segment.h"
+#include "camera_self_calibration/queue/queue_estimate.h"
+#include "camera_self_calibration/queue/scatter.h"
+
+namespace camera_self_calibration {
+
+/// What a stretch of video says of the intrinsics: the log-likelihood as a quadratic at `point`,
+/// poses and landmarks at their best for it. n_c values each.
+struct Evidence {
+  std::int64_t begin_ns = 0;
+  std::int64_t end_ns = 0;
+  Intrinsics point;
+  Intrinsics gradient;           ///< Reduced `J^T r`.
+  IntrinsicsMatrix information;  ///< Reduced `J^T J`.
+
+  /// The gradient at other intrinsics.
+  Intrinsics gradientAt(const Intrinsics& other) const {
+    return gradient - information * (other - point);
+  }
+};
+
+/// `g^T I^+ g`: how far the estimate of which these are gradient and information is from where they
+/// were taken, in its own sigmas, squared. Directions that it does not determine do not count.
+double squaredDistance(const Intrinsics& gradient, const IntrinsicsMatrix& information);
+
+/// What a solved candidate says, at its own optimum, where the gradient vanishes.
+Evidence ownEvidence(const Candidate& candidate);
+
+/// Solves poses and landmarks of a copy of the segment with the intrinsics held, sigmas multiplied
+/// by `sigma_scale`, and linearises there. Nothing if there is no solution.
+std::optional<Evidence> evidenceAt(const Camera& camera, const Segment& segment,
+                                   double sigma_scale);
+
+/// The observations of `segment` with the poses and landmarks of `start`, which it is a part of,
+/// and which were estimated with other intrinsics.
+Segment restarted(const Segment& segment, const Segment& start);
+
+/// Estimated intrinsics that others are compared with.
+struct Reference {
+  Camera camera;
+  IntrinsicsMatrix information;  ///< n_c x n_c.
+  /// How far segments are known to disagree: the sigmas of what is compared are multiplied by its
+  /// inflation().
+  Scatter scatter;
+};
+
+/// The queue's estimate without the segments that share a moment with [begin, end], by subtracting
+/// what they said at the joint optimum; its scatter is that of the segments that are left, or of
+/// all where a single one is. `solution` is that of the queue as it is. Nothing if the rest does
+/// not determine the intrinsics.
+std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
+                                          const QueueEstimate& queue,
+                                          const QueueSolution& solution);
+
+/// Hotelling's statistic for two estimates of the same intrinsics that share no data.
+struct Agreement {
+  double statistic = 0.0;  ///< `T^2 = d^T (Sigma_reference + Sigma_other)^-1 d`.
+  double p_value = 1.0;    ///< Probability of so large a value if the intrinsics are the same.
+};
+
+/// Whether stretches that share no data, taken together, agree with the reference. Directions that
+/// they do not determine do not count.
+Agreement agreement(const std::vector<Evidence>& evidence, const Reference& reference);
+
+/// The intrinsics that evidence and reference, taken as independent, agree on best; n_c values.
+Intrinsics compromise(const std::vector<Evidence>& evidence, const Reference& reference);
+
+/// p-value of a statistic with n_c degrees of freedom: chi-square; where the reference's inflation
+/// is more than chance, F with the variance moderated towards the sigmas as they are (as if five
+/// more degrees of freedom had scattered by just those).
+double pValue(double statistic, const Reference& reference);
+
+/// Probability that a variable of the F distribution exceeds `value`.
+double fExceedance(double value, int numerator_freedom, int denominator_freedom);
+
+}  // namespace camera_self_calibration

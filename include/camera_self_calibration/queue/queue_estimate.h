@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/problem.h"
+#include "camera_self_calibration/queue/candidate_window.h"
+#include "camera_self_calibration/queue/row_time.h"
+#include "camera_self_calibration/queue/scatter.h"
+
+namespace camera_self_calibration {
+
+/// How a lens moves slowly, as one does that warms up (estimateDrift).
+struct LensDrift {
+  bool significant = false;  ///< Else what follows is of no use.
+  /// Standard deviation of the focal length's relative change over one minute.
+  double rate = 0.0;
+  Intrinsics offset;            ///< Of the lens now from the joint estimate, n_c.
+  IntrinsicsMatrix covariance;  ///< Of the lens now, n_c x n_c.
+};
+
+/// The joint estimate of the intrinsics over all segments of the queue.
+struct QueueSolution {
+  bool usable = false;  ///< Valid intrinsics with a covariance.
+  Camera camera;
+  /// Sum of the segments' marginals at the joint optimum, divided by the square of
+  /// scatter.inflation().
+  IntrinsicsMatrix information;
+  std::vector<BlockShare> shares;  ///< The segments' marginals, in the queue's order.
+  /// The inverse of what is left of the information without what noise in the inverse depths feigns
+  /// (DepthNoise::kDiscounted), made larger where residuals are correlated along tracks
+  /// (Marginal::robustCovariance); empty where that is singular.
+  IntrinsicsMatrix covariance;
+  /// How far the segments disagree. Each one's share of the chi-square is twice what its cost rises
+  /// from its own optimum to the joint one, at most what its own information says it should. It
+  /// tells of errors that last longer than a segment's residuals can show.
+  Scatter scatter;
+  int iterations = 0;
+  LensDrift drift;  ///< What all of the above, where the lens is constant, leaves out.
+
+  /// The lens now, and its covariance: the above, where nothing drifts.
+  Camera present() const;
+  IntrinsicsMatrix presentCovariance() const;
+
+  /// The row time is one of the unknowns: makes the covariance larger by what is left open where
+  /// it is `doubt_s` off.
+  void addUncertaintyOf(const RowTimeEstimate& row_time, double doubt_s);
+};
+
+/// Holds the queue's segments, solved, and re-estimates the intrinsics jointly when they change:
+/// eq. 3 over all segments, which share nothing else; each in its own gauge, weighted by its own
+/// residual scale.
+class QueueEstimate {
+ public:
+  explicit QueueEstimate(int threads) : threads_(threads) {}
+
+  void add(const Candidate& candidate) {
+    candidates_.push_back(candidate);
+    own_.push_back(candidate.segment);
+  }
+  void remove(const std::vector<std::int64_t>& sequences);
+  void clear() {
+    candidates_.clear();
+    own_.clear();
+    scatter_ = Scatter();
+  }
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+
+  /// What all segments together tell of the rolling shutter's time between rows, about the one that
+  /// they are freed of; from the state and solution of the last solve.
+  RowTimeEstimate rowTime(const QueueSolution& solution) const;
+
+  /// Starts from the segments' present states and `start`.
+  QueueSolution solve(const Camera& start);
+
+ private:
+  bool settle(Problem* problem);
+
+  int threads_;
+  Scatter scatter_;  // the newest that was seen
+  std::vector<Candidate> candidates_;
+  std::vector<Segment> own_;  // of each candidate, the solution that it came with
+};
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,147 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/map/segment.h"
+#include "camera_self_calibration/queue/row_time.h"
+#include "camera_self_calibration/startup/growth.h"
+#include "camera_self_calibration/startup/keyframe_choice.h"
+
+namespace camera_self_calibration {
+
+struct StartupOptions {
+  GrowthOptions growth;          ///< Its prior is replaced by a vague one about the first guess.
+  KeyframeChoiceOptions choice;  ///< What to leave out when there are too many keyframes.
+  int max_keyframes = 30;        ///< In the batch.
+  double retry_cost = 1.3;       ///< Squared residual scale above which other guesses are tried.
+  /// Likelihood ratio (chi-square, 1 degree of freedom) above which radtan's k3 is estimated too.
+  double k3_likelihood_ratio = 40.0;
+  /// rms uncertainty over image width above which an estimate tells nothing of the lens.
+  double useless_uncertainty_share = 0.03;
+};
+
+/// The batch solution from no knowledge (section II-C): keyframes chosen for information,
+/// landmarks and the intrinsics, grown keyframe by keyframe so that each solve starts near. A full
+/// batch leaves out the keyframe that tells least, so that it waits at constant cost for motion
+/// that informs, and slow motion adds up. Keyframes that no tracks connect to the newest one are
+/// left out, and a batch that ran away begins again from the newest keyframes. Where the result
+/// does not fit the tracker's sigma, a small grid of other first guesses is tried from the
+/// beginning. A vague prior about the last estimate that told something keeps what is not observed
+/// from running away. radtan starts with four distortion coefficients; k3 joins them when the
+/// observations demand it.
+class Startup {
+ public:
+  Startup(const StartupOptions& options, const Camera& initial);
+
+  /// `history` holds the newest keyframe and some before it; known ones keep their solution. One
+  /// that does not hold the batch's newest keyframe begins a new batch.
+  void add(const Segment& history);
+
+  /// Starts again from these intrinsics at the next keyframe.
+  void reset(const Camera& initial);
+
+  /// The next batch, in another map, begins with this estimate from elsewhere, and vaguely (five
+  /// sigmas) keeps to it, instead of going on from the intrinsics of the last one.
+  void beginNextFrom(const Camera& camera, const IntrinsicsMatrix& covariance);
+
+  /// Goes on from the present poses and depths with these intrinsics, of another model.
+  /// Not usable until the next keyframe.
+  void switchModel(const Camera& camera);
+
+  /// Starts again from a solution, such as that after a change of the lens: the next keyframes are
+  /// added to it. What its keyframes from before the change tell of the new lens is only as good as
+  /// their own was known, `earlier_covariance` (empty: exactly): that is added to the uncertainty
+  /// for as long as the batch holds such keyframes.
+  void resume(const Camera& camera, const IntrinsicsMatrix& information, const Segment& solved,
+              const IntrinsicsMatrix& earlier_covariance);
+
+  /// The rolling shutter's time between rows, which all pixels are freed of from now on, those of
+  /// the batch too; the batch is solved again [s].
+  void setRowTime(double row_time_s);
+
+  /// What the batch tells of the time between rows, about the one it is freed of. Not usable
+  /// before it tells something of the lens.
+  RowTimeEstimate rowTime() const;
+  int keyframesAdded() const { return added_; }  ///< In all.
+
+  const Camera& camera() const { return camera_; }
+  /// camera(), but with the directions that are not known to the useless uncertainty at their last
+  /// trusted values: those of the last estimate that told the lens, or else the first guess.
+  Camera heldCamera() const;
+  /// Solved; poses and depths of the chosen keyframes.
+  const Segment& segment() const { return segment_; }
+  bool usable() const { return usable_; }
+  /// Whether it is usable and its uncertainty not useless: before, the motion told nothing.
+  bool tellsLens() const;
+  /// Scaled by the residuals where they exceed the tracker's sigma, and less what is not known of
+  /// an earlier lens; n_c x n_c.
+  const IntrinsicsMatrix& information() const { return information_; }
+  /// Inverse of information(); empty where that is singular.
+  const IntrinsicsMatrix& covariance() const { return covariance_; }
+  /// Of camera(), over the whole image, what the lens leaves dark too: tellsLens() goes by it.
+  /// Infinite until it is usable and where the information is singular [px].
+  const PixelError& wholeImageUncertainty() const { return whole_image_uncertainty_; }
+  /// Robust scale of the residuals against the tracker's own sigma (SegmentFit::residual_scale).
+  double residualScale() const { return residual_scale_; }
+
+ private:
+  struct FirstGuess {
+    Camera camera;
+    IntrinsicsPrior prior;
+  };
+  // Another first guess, and what it costs for each observation.
+  struct Guess {
+    Camera camera;
+    double cost = 0.0;
+  };
+  // The first keyframes, solved from another guess.
+  struct Trial {
+    Segment segment;
+    std::vector<int> landmark_index;  // in the whole batch
+    Camera camera;
+    double cost = 0.0;
+    bool better = false;  // than the present solution
+  };
+
+  void beginBatch(const Segment& history);
+  void beginAgain(const Segment& history);
+  void extend(const Segment& history);
+  void tryOtherGuesses();
+  Trial tryGuess(const Camera& guess) const;
+  void adopt(const Trial& trial);
+  void judge();
+  void setInformation(const Marginal& marginal);
+  void setInformation(const IntrinsicsMatrix& information);
+  void considerK3(const Segment& gated);
+
+  StartupOptions options_;
+  Camera initial_;
+  Camera camera_;
+  std::optional<FirstGuess> next_;
+  Camera trusted_;  // of the last keyframe that told the lens; else as initial_
+  Segment segment_;
+  Segment gated_;                        // as solved last, without outliers
+  IntrinsicsMatrix earlier_covariance_;  // of the lens of the segment's earlier keyframes
+  IntrinsicsMatrix information_;
+  IntrinsicsMatrix covariance_;
+  PixelError whole_image_uncertainty_;
+  double residual_scale_ = 1.0;
+  bool usable_ = false;
+  bool told_ = false;           // tellsLens() at the last keyframe that could be judged
+  bool ran_away_ = false;       // at the last keyframe that could be judged
+  int added_ = 0;               // keyframes
+  int next_retry_ = 0;          // count of keyframes at which other guesses are tried next
+  std::size_t next_guess_ = 0;  // of them
+  std::optional<Guess> best_guess_;
+};
+
+/// Standard deviations that say nothing but that it is a camera: the focal length may be anything
+/// of the order of the image width, the centre anywhere in its middle.
+IntrinsicsPrior vaguePrior(const Camera& about);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,238 @@
+// The newest window against the queue.
+
+#include "camera_self_calibration/lens_change/change_detector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+
+namespace camera_self_calibration {
+namespace {
+
+using Kind = ChangeVerdict::Kind;
+
+// Two fast, one of the window, three of the pools, one for a step.
+constexpr double kTestsPerKeyframe = 7.0;
+// p-value of the candidate's own solution above which no closer look is worth its time.
+constexpr double kClearlySame = 0.1;
+constexpr double kUnfounded = 0.1;       // p-value above which a suspicion was for nothing
+constexpr int kMinLaterKeyframes = 3;    // after a suspected onset, to decide
+constexpr int kMinEarlierKeyframes = 2;  // before it, for their structure to be of use
+// Keyframes by which a suspicion may come too late and too early.
+constexpr int kSuspectedLate = 1;
+constexpr int kSuspectedEarly = 2;
+constexpr int kFindings = 2;       // keyframes in a row that find the same new lens
+constexpr double kSameLens = 0.5;  // distance between two findings, as a share of the change
+// Statistic per observation that needs no second finding: no wrong minimum is as bad.
+constexpr double kBlatant = 1.0;
+// Residual scale, over that of the queue's segments, of data that fit no lens.
+constexpr double kMaxMisfit = 2.0;
+
+double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
+
+int keyframesBefore(const Segment& window, std::int64_t onset_ns) {
+  int count = 0;
+  for (const Keyframe& keyframe : window.keyframes) count += keyframe.stamp_ns < onset_ns;
+  return count;
+}
+
+double usualResidualScale(const QueueEstimate& queue) {
+  std::vector<double> scales;
+  for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.residual_scale);
+  return std::max(1.0, median(std::move(scales), 1.0));
+}
+
+// What a candidate that contradicts says without the tracks that may feign it.
+std::optional<Evidence> verified(const Evidence& evidence, const Candidate& candidate,
+                                 const Reference& reference) {
+  const auto fitting = evidenceAt(
+      reference.camera, fittingOneLens(candidate.segment, reference.camera), candidate.sigma_scale);
+  const double whole = agreement({evidence}, reference).statistic;
+  return fitting && agreement({*fitting}, reference).statistic < whole ? fitting : evidence;
+}
+
+}  // namespace
+
+std::string ChangeDetector::withP(const char* text, double p_value) {
+  return formatted("%s (p = %.1e)", text, p_value);
+}
+
+double ChangeDetector::limit() const { return rate_ * interval_s_ / 3600.0 / kTestsPerKeyframe; }
+
+void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
+  if (stamp_ns == last_stamp_ns_) return;
+  const double interval = std::clamp(seconds(stamp_ns - last_stamp_ns_), 0.02, 2.0);
+  if (last_stamp_ns_ > 0) interval_s_ += 0.1 * (interval - interval_s_);
+  last_stamp_ns_ = stamp_ns;
+}
+
+ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& candidate,
+                                      std::int64_t suspected_onset_ns, const QueueEstimate& queue,
+                                      const QueueSolution& solution) {
+  ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue, solution);
+  const bool by_window = verdict.kind == Kind::kChange && verdict.recent.empty();
+  if (verdict.kind != Kind::kChange) {
+    ChangeVerdict step = examineStep(queue, solution);
+    if (step.kind == Kind::kChange) verdict = std::move(step);
+  }
+  in_doubt_ = verdict.kind != Kind::kSame;
+  if (by_window) return confirmed(std::move(verdict), solution.camera);
+  findings_ = 0;
+  return verdict;
+}
+
+std::optional<double> ChangeDetector::clearlySame(const CandidateOutlook& outlook,
+                                                  std::int64_t suspected_onset_ns,
+                                                  const QueueEstimate& queue,
+                                                  const QueueSolution& solution) {
+  measureInterval(outlook.evidence.end_ns);
+  if (suspected_onset_ns > 0 || in_doubt_ || isNewStretch(outlook.evidence.begin_ns) ||
+      !fitsAsUsual(outlook.sigma_scale, queue)) {
+    return std::nullopt;
+  }
+  const auto reference =
+      referenceWithout(outlook.evidence.begin_ns, outlook.evidence.end_ns, queue, solution);
+  if (!reference) return std::nullopt;
+  const double p_value = agreement({outlook.evidence}, *reference).p_value;
+  if (!(p_value > kClearlySame)) return std::nullopt;
+  return p_value;
+}
+
+ChangeVerdict ChangeDetector::examineUnfinished(const Segment& window, const Candidate& candidate,
+                                                const Reference& reference) {
+  measureInterval(window.endNs());
+  ChangeVerdict verdict;
+  const bool comparable = candidate.information.rows() == reference.information.rows();
+  if (comparable && agreement({ownEvidence(candidate)}, reference).p_value < kClearlySame) {
+    verdict = examineWindow(window, 0, reference);
+  }
+  if (verdict.kind == Kind::kChange) return confirmed(std::move(verdict), reference.camera);
+  findings_ = 0;
+  return verdict;
+}
+
+ChangeVerdict ChangeDetector::confirmed(ChangeVerdict verdict, const Camera& before) {
+  const double change = pixelDistance(before, verdict.camera).rms;
+  const bool again =
+      findings_ > 0 && pixelDistance(found_, verdict.camera).rms < kSameLens * change;
+  findings_ = again ? findings_ + 1 : 1;
+  found_ = verdict.camera;
+  if (findings_ >= kFindings || verdict.excess > kBlatant) return verdict;
+  verdict.kind = Kind::kDoubt;
+  verdict.reason += ", if the next keyframes say the same";
+  return verdict;
+}
+
+ChangeVerdict ChangeDetector::examineKeyframe(const Segment& window, const Candidate& candidate,
+                                              std::int64_t suspected_onset_ns,
+                                              const QueueEstimate& queue,
+                                              const QueueSolution& solution) {
+  measureInterval(window.endNs());
+  usual_residual_scale_ = usualResidualScale(queue);
+  ChangeVerdict verdict;
+  const auto reference = referenceWithout(window.beginNs(), window.endNs(), queue, solution);
+  if (!reference || window.keyframes.empty()) return verdict;
+  const int earlier = keyframesBefore(window, suspected_onset_ns);
+  if (suspected_onset_ns > 0 && earlier > 0) return examineSuspicion(window, earlier, *reference);
+  return examineCandidate(window, candidate, *reference, queue, solution);
+}
+
+ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlier_keyframes,
+                                               const Reference& reference) const {
+  ChangeVerdict verdict;
+  const int later = static_cast<int>(window.keyframes.size()) - earlier_keyframes;
+  if (later >= kMinLaterKeyframes && earlier_keyframes >= kMinEarlierKeyframes) {
+    verdict = examineWindow(window, earlier_keyframes, reference);
+    if (verdict.kind == Kind::kSame && verdict.p_value > kUnfounded) return verdict;
+  }
+  if (verdict.kind == Kind::kSame) {
+    verdict.kind = Kind::kDoubt;
+    verdict.reason = "the tracks fit less well than usual: this is being looked into";
+  }
+  return verdict;
+}
+
+ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Candidate& candidate,
+                                               const Reference& reference,
+                                               const QueueEstimate& queue,
+                                               const QueueSolution& solution) {
+  ChangeVerdict verdict;
+  if (candidate.information.size() == 0) return verdict;
+  if (candidate.residual_scale > kMaxMisfit * usual_residual_scale_) {
+    verdict.kind = Kind::kBadData;
+    verdict.reason = "the tracks fit no lens well";
+    return verdict;
+  }
+  const double own_p_value = agreement({ownEvidence(candidate)}, reference).p_value;
+  if (own_p_value > kClearlySame && !isNewStretch(candidate.segment.beginNs())) {
+    verdict.p_value = own_p_value;
+    return verdict;
+  }
+  auto evidence =
+      evidenceAt(reference.camera, restarted(candidate.segment, window), candidate.sigma_scale);
+  if (!evidence) return verdict;
+  const bool contradicts = agreement({*evidence}, reference).p_value < kDoubt;
+  if (contradicts) evidence = verified(*evidence, candidate, reference);
+  if (!recent_.empty() && recent_.back().evidence.point.size() != evidence->point.size()) {
+    recent_.clear();  // of another lens model
+  }
+  const Agreement single = agreement({*evidence}, reference);
+  verdict.p_value = single.p_value;
+  if (single.p_value < limit()) {
+    verdict = examineWindow(window, 0, reference);
+    if (verdict.kind != Kind::kSame) return verdict;
+  }
+  remember(candidate, *evidence);
+  if (recent_.back().candidate.segment.sequence == candidate.segment.sequence) {
+    const ChangeVerdict pooled = examineRecent(queue, solution);
+    if (pooled.kind != Kind::kSame) return pooled;
+  }
+  if (verdict.kind == Kind::kSame && contradicts) {
+    verdict.kind = Kind::kDoubt;
+    verdict.reason = withP("it disagrees with the queue", single.p_value);
+  }
+  return verdict;
+}
+
+// The newest window under a change before keyframe `earlier_keyframes`; where it speaks of one,
+// under the most likely change.
+ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_keyframes,
+                                            const Reference& reference) const {
+  ChangeVerdict verdict;
+  // A suspicion is not exact, and a single keyframe on the wrong side hides the change.
+  if (earlier_keyframes > 0) {
+    earlier_keyframes = dateLensChange(window, reference, earlier_keyframes - kSuspectedLate,
+                                       earlier_keyframes + kSuspectedEarly);
+  }
+  LensChange change = testLensChange(window, earlier_keyframes, reference);
+  if (change.usable && change.p_value < limit()) {
+    const int dated = dateLensChange(window, reference);
+    if (dated != earlier_keyframes) change = testLensChange(window, dated, reference);
+    earlier_keyframes = dated;
+  }
+  verdict.p_value = change.usable ? change.p_value : kDoubt;
+  if (!change.usable || change.p_value >= kDoubt) return verdict;
+  const int later = static_cast<int>(window.keyframes.size()) - earlier_keyframes;
+  verdict.kind = Kind::kDoubt;
+  verdict.reason = withP("another lens would explain it better", change.p_value);
+  if (change.residual_scale > kMaxMisfit * usual_residual_scale_) {
+    verdict.kind = Kind::kBadData;
+    verdict.reason = "the tracks fit no lens well";
+  } else if (change.p_value < limit() && later >= kMinLaterKeyframes) {
+    verdict.kind = Kind::kChange;
+    verdict.reason = withP("the lens changed", change.p_value);
+    verdict.onset_ns = window.keyframes[earlier_keyframes].stamp_ns;
+    verdict.camera = change.camera;
+    verdict.information = change.information;
+    verdict.excess = change.statistic / static_cast<double>(change.segment.observations.size());
+    verdict.segment = std::move(change.segment);
+  }
+  return verdict;
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,164 @@
+#include "camera_self_calibration/lens_change/lens_change.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "camera_self_calibration/estimation/gate.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
+#include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/queue/segment_fit.h"
+#include "camera_self_calibration/startup/growth.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr int kMinLandmarks = 20;
+// p-value below which a change has to show in the tracks that fit one lens best, too.
+constexpr double kToBeVerified = 1e-2;
+// Of the tracks, left out then.
+constexpr double kTrimmedShare = 0.15;
+
+Camera withEstimated(const Camera& camera, const Intrinsics& values) {
+  Camera result = camera;
+  Intrinsics parameters = camera.parameters();
+  parameters.head(values.size()) = values;
+  result.setParameters(parameters);
+  return result;
+}
+
+// The robust cost of one lens throughout.
+double costOfOneLens(Segment segment, const Camera& lens, double sigma_scale) {
+  if (segment.earlier_camera) segment.earlier_camera = std::make_shared<const Camera>(lens);
+  Camera held = lens;
+  Problem problem{&held, false, {freeBlock(&segment, lens)}};
+  problem.blocks[0].sigma_scale = sigma_scale;
+  SolverOptions options;
+  options.step_tolerance = 1e-3;
+  options.cost_tolerance = 1e-6;  // what is left of it is small against a chi-square of one
+  const SolveSummary summary = solve(problem, options);
+  return summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
+}
+
+// The stretch with a change after so many keyframes.
+struct Changed {
+  Segment segment;
+  Camera camera;                                          // since then
+  double cost = std::numeric_limits<double>::infinity();  // robust
+};
+
+// From the state of `start`.
+Changed solveWithChange(const Changed& start, int earlier_keyframes, const Camera& reference) {
+  Changed changed = start;
+  if (earlier_keyframes > 0) {
+    changed.segment.earlier_camera = std::make_shared<const Camera>(reference);
+    changed.segment.earlier_keyframes = earlier_keyframes;
+  }
+  const Problem problem{&changed.camera, true, {freeBlock(&changed.segment, changed.camera)}};
+  SolverOptions options;
+  options.step_tolerance = 1e-2;
+  options.cost_tolerance = 1e-4;
+  const SolveSummary summary = solve(problem, options);
+  changed.cost = summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
+  return changed;
+}
+
+// Solves the stretch with one lens throughout. Returns the robust cost.
+double fitOneLens(Segment* segment, Camera* lens) {
+  SegmentFitOptions options;
+  options.estimate_intrinsics = false;
+  options.gating_rounds = 0;
+  if (!fitSegment(options, segment, lens).usable) return std::numeric_limits<double>::infinity();
+  return robustCost(freeBlock(segment, *lens), *lens, options.huber);
+}
+
+// The two hypotheses compared on the tracks that fit under a change.
+LensChange compare(const Segment& segment, int earlier_keyframes, const Reference& reference) {
+  LensChange change;
+  change.segment = segment;
+  change.camera = reference.camera;
+  if (earlier_keyframes > 0) {
+    change.segment.earlier_camera = std::make_shared<const Camera>(reference.camera);
+    change.segment.earlier_keyframes = earlier_keyframes;
+  }
+  const SegmentFit fit = fitSegment(SegmentFitOptions(), &change.segment, &change.camera);
+  if (!fit.usable || !change.camera.valid() ||
+      static_cast<int>(change.segment.landmarks.size()) < kMinLandmarks) {
+    return change;
+  }
+  change.residual_scale = fit.residual_scale;
+  const double inflation = reference.scatter.inflation();
+  const double sigma_scale = fit.marginal.sigmaScale() * inflation;
+  change.information = fit.marginal.information / (sigma_scale * sigma_scale);
+  const int count = change.camera.estimatedCount();
+  Evidence evidence;
+  evidence.point = change.camera.parameters().head(count);
+  evidence.gradient = Intrinsics::Zero(count);
+  evidence.information = change.information * (inflation * inflation);
+  const double quadratic = agreement({evidence}, reference).statistic;
+  const Intrinsics between = compromise({evidence}, reference);
+  const Camera lens = withEstimated(reference.camera, between);
+  if (!lens.valid()) return change;
+  SegmentBlock block = freeBlock(&change.segment, change.camera);
+  block.sigma_scale = sigma_scale;
+  const double free_cost = robustCost(block, change.camera, SolverOptions().huber);
+  // From the state before and from that under the change: a wrong minimum would feign a change.
+  const double held_cost =
+      std::min(costOfOneLens(restarted(change.segment, segment), lens, sigma_scale),
+               costOfOneLens(change.segment, lens, sigma_scale));
+  const Intrinsics off = between - reference.camera.parameters().head(count);
+  const double exact = 2.0 * (held_cost - free_cost) + off.dot(reference.information * off);
+  change.statistic = std::max(0.0, std::min(quadratic, exact));
+  change.p_value = pValue(change.statistic, reference);
+  change.usable = true;
+  return change;
+}
+
+}  // namespace
+
+Segment fittingOneLens(const Segment& segment, const Camera& camera) {
+  Camera lens = camera;
+  Segment given = segment;
+  given.earlier_camera.reset();
+  Segment grown = given;
+  GrowthOptions held;
+  held.free_after_keyframes = std::numeric_limits<int>::max();
+  bootstrap(held, &grown, &lens);
+  Segment result = fitOneLens(&grown, &lens) < fitOneLens(&given, &lens) ? grown : given;
+  const int count = static_cast<int>(kTrimmedShare * static_cast<double>(result.landmarks.size()));
+  removeLandmarks(worstTracks(freeBlock(&result, lens), lens, count), &result);
+  result.earlier_camera = segment.earlier_camera;
+  return result;
+}
+
+// Each date is tried from the solution of the best so far, which is near its own.
+int dateLensChange(const Segment& segment, const Reference& reference, int first, int last) {
+  const int newest = static_cast<int>(segment.keyframes.size()) - 1;
+  int best_date = std::clamp(first, 0, std::max(0, newest));
+  Changed best{segment, reference.camera};
+  for (int k = best_date; k <= std::min(last, newest); ++k) {
+    Changed changed = solveWithChange(best, k, reference.camera);
+    if (!(changed.cost < best.cost)) continue;
+    best = std::move(changed);
+    best_date = k;
+  }
+  return best_date;
+}
+
+LensChange testLensChange(const Segment& segment, int earlier_keyframes,
+                          const Reference& reference) {
+  LensChange change = compare(segment, earlier_keyframes, reference);
+  if (!change.usable || change.p_value > kToBeVerified) return change;
+  const Segment fitting = fittingOneLens(segment, reference.camera);
+  const LensChange verified = compare(fitting, earlier_keyframes, reference);
+  if (verified.usable && verified.statistic < change.statistic) {
+    change.statistic = verified.statistic;
+    change.p_value = verified.p_value;
+  }
+  return change;
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,49 @@
+#include "camera_self_calibration/lens_change/setting_archive.h"
+
+#include <utility>
+
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/queue/agreement.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr std::size_t kMaxSettings = 4;
+constexpr double kDifferent = 0.05;  // p-value
+
+}  // namespace
+
+void SettingArchive::store(Setting setting) {
+  if (!setting.solution.usable) return;
+  settings_.push_back(std::move(setting));
+  if (settings_.size() > kMaxSettings) settings_.pop_front();
+}
+
+std::optional<Setting> SettingArchive::recall(const Camera& camera,
+                                              const IntrinsicsMatrix& information,
+                                              double max_distance_px) {
+  Evidence evidence;
+  evidence.point = camera.parameters().head(camera.estimatedCount());
+  evidence.gradient = Intrinsics::Zero(evidence.point.size());
+  evidence.information = information;
+  auto nearest = settings_.end();
+  double least = max_distance_px;
+  for (auto setting = settings_.begin(); setting != settings_.end(); ++setting) {
+    const QueueSolution& solution = setting->solution;
+    if (solution.camera.model() != camera.model() ||
+        solution.information.rows() != information.rows()) {
+      continue;
+    }
+    const double distance = pixelDistance(solution.camera, camera).rms;
+    const Reference reference{solution.camera, solution.information, Scatter()};
+    if (!(distance < least) || agreement({evidence}, reference).p_value < kDifferent) continue;
+    least = distance;
+    nearest = setting;
+  }
+  if (nearest == settings_.end()) return std::nullopt;
+  Setting found = std::move(*nearest);
+  settings_.erase(nearest);
+  return found;
+}
+
+}  // namespace camera_self_calibration

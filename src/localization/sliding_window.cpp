@@ -1,0 +1,336 @@
+#include "camera_self_calibration/localization/sliding_window.h"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/estimation/gate.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/localization/moving_tracks.h"
+#include "camera_self_calibration/tracking/image_motion.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Baseline over depth below which poses do not fix the scale, nor the depths.
+constexpr double kSeparatedPoses = 1e-2;
+
+// Beyond so many scaled sigmas, and the option's pixels, a track does not belong to a rigid scene.
+constexpr double kGrossSigmas = 5.0;
+
+// Intrinsics as near as this to those that the window was solved with, far below the tracker's
+// sigma, change nothing that the next keyframe's solution will not see to.
+constexpr double kNegligiblePx = 0.02;
+
+// With so many points of estimated depth in view, points of guessed depth are not needed.
+constexpr std::size_t kEnoughKnownPoints = 15;
+
+// Landmarks that fixed keyframes alone see: they tell nothing of the others.
+std::vector<int> seenByFixedAlone(const Segment& segment, int fixed_keyframes) {
+  std::vector<char> alone(segment.landmarks.size(), 1);
+  for (const Observation& observation : segment.observations) {
+    if (observation.keyframe >= fixed_keyframes) alone[observation.landmark] = 0;
+  }
+  std::vector<int> result;
+  for (std::size_t l = 0; l < alone.size(); ++l) {
+    if (alone[l] != 0) result.push_back(static_cast<int>(l));
+  }
+  return result;
+}
+
+int newest(const Segment& segment) { return static_cast<int>(segment.keyframes.size()) - 1; }
+
+std::vector<const Landmark*> seenIn(int k, const Segment& segment) {
+  std::vector<const Landmark*> seen;
+  for (const Landmark& landmark : segment.landmarks) {
+    if (landmark.anchored && landmark.reference == k) seen.push_back(&landmark);
+  }
+  for (const Observation& observation : segment.observations) {
+    if (observation.keyframe == k) seen.push_back(&segment.landmarks[observation.landmark]);
+  }
+  return seen;
+}
+
+// In keyframe `k`, of the landmarks that are seen there.
+double inverseDepthAt(int k, const Segment& segment) {
+  std::vector<double> depths;
+  for (const Landmark* landmark : seenIn(k, segment)) {
+    depths.push_back(transferInverseDepth(segment.keyframes[landmark->reference].world_from_camera,
+                                          landmark->bearing, landmark->inverse_depth,
+                                          segment.keyframes[k].world_from_camera));
+  }
+  return typicalInverseDepth(std::move(depths));
+}
+
+// Moves and scales a segment so that keyframe `k` has this pose and typical inverse depth.
+void keepPoseAndDepth(int k, const Rigid3& pose, double inverse_depth, Segment* segment) {
+  const Rigid3 solved = segment->keyframes[k].world_from_camera;
+  const double scale = inverseDepthAt(k, *segment) / inverse_depth;
+  for (Keyframe& keyframe : segment->keyframes) {
+    Rigid3 kept_from_camera = solved.inverse() * keyframe.world_from_camera;
+    kept_from_camera.translation *= scale;
+    keyframe.world_from_camera = pose * kept_from_camera;
+  }
+  for (Landmark& landmark : segment->landmarks) landmark.inverse_depth /= scale;
+}
+
+SolverOptions windowSolver() {
+  SolverOptions options;
+  options.max_iterations = 8;
+  options.step_tolerance = 1e-2;
+  options.cost_tolerance = 5e-3;  // outlying tracks alone settle beyond it; they are gated
+  return options;
+}
+
+}  // namespace
+
+SlidingWindow::SlidingWindow(const SlidingWindowOptions& options, const Camera& camera)
+    : options_(options), camera_(camera), map_(options.map_keyframes, options.exact_references) {
+  generations_[generation_] = {camera_, 0.0};
+}
+
+Rigid3 SlidingWindow::newestPose() const {
+  return map_.keyframes().empty() ? Rigid3() : map_.keyframes().back().world_from_camera;
+}
+
+// Keyframes from before a change of the lens keep the generation that they were estimated with.
+void SlidingWindow::takeGeneration(Segment* segment) const {
+  for (std::size_t k = 0; k < segment->keyframes.size(); ++k) {
+    if (segment->isEarlier(static_cast<int>(k))) continue;
+    segment->keyframes[k].calibration_generation = generation_;
+  }
+}
+
+bool SlidingWindow::negligiblyFarFrom(const Camera& camera) const {
+  const auto& keyframes = map_.keyframes();
+  const std::size_t active =
+      std::min(keyframes.size(), static_cast<std::size_t>(options_.active_keyframes));
+  if (active == 0) return false;
+  const auto solved_with = generations_.find((keyframes.end() - active)->calibration_generation);
+  return solved_with != generations_.end() &&
+         pixelDistance(solved_with->second.camera, camera).rms < kNegligiblePx;
+}
+
+void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool trusted) {
+  const bool solve_again = !negligiblyFarFrom(camera);
+  setCamera(camera, generation, trusted);
+  if (solve_again) solveUnconditioned();
+}
+
+void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool trusted,
+                          const Segment& solution) {
+  const bool newest = !map_.keyframes().empty() && !solution.keyframes.empty() &&
+                      map_.keyframes().back().id == solution.keyframes.back().id;
+  setCamera(camera, generation, trusted);
+  if (!newest) solveUnconditioned();  // for the keyframes that the solution does not know
+  reseed(solution);
+}
+
+void SlidingWindow::setCamera(const Camera& camera, std::uint64_t generation, bool trusted) {
+  const double way_px = generations_[generation_].way_px + pixelDistance(camera_, camera).rms;
+  trusted_ = trusted;
+  camera_ = camera;
+  generation_ = generation;
+  std::set<std::uint64_t> used;
+  for (const Keyframe& keyframe : map_.keyframes()) used.insert(keyframe.calibration_generation);
+  for (auto entry = generations_.begin(); entry != generations_.end();) {
+    entry = used.count(entry->first) == 0 ? generations_.erase(entry) : std::next(entry);
+  }
+  generations_[generation_] = {camera_, way_px};
+}
+
+void SlidingWindow::solveUnconditioned() {
+  if (map_.keyframes().size() < 2) return;
+  Segment segment = map_.lastKeyframes(options_.active_keyframes, camera_);
+  if (segment.landmarks.empty()) return;
+  const Rigid3 pose = newestPose();
+  const double inverse_depth = inverseDepthAt(newest(segment), segment);
+  Problem problem{&camera_, false, {freeBlock(&segment, camera_)}};
+  problem.blocks[0].depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};
+  if (!solve(problem, windowSolver()).usable) return;
+  keepPoseAndDepth(newest(segment), pose, inverse_depth, &segment);
+  takeGeneration(&segment);
+  map_.update(segment);
+}
+
+void SlidingWindow::reseed(const Segment& solution) {
+  if (solution.keyframes.size() < 2) return;
+  const bool from_before =
+      solution.isEarlier(0) && map_.keyframe(solution.keyframes.front().id) != nullptr;
+  const int k = from_before ? 0 : newest(solution);
+  const Keyframe* kept = map_.keyframe(solution.keyframes[k].id);
+  if (kept == nullptr) return;
+  Segment known = solution;
+  keepPoseAndDepth(k, kept->world_from_camera, medianDepthOf(solution, k, *kept), &known);
+  takeGeneration(&known);
+  map_.update(known);
+}
+
+// Over just the points that inverseDepthAt looks at: others would shift the median and, one
+// reseeding after the other, let the scale run away.
+double SlidingWindow::medianDepthOf(const Segment& solution, int k,
+                                    const Keyframe& keyframe) const {
+  std::vector<double> depths;
+  for (const Landmark* landmark : seenIn(k, solution)) {
+    const auto found = map_.points().find(landmark->track_id);
+    if (found == map_.points().end()) continue;
+    const auto depth = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
+    if (depth) depths.push_back(*depth);
+  }
+  return typicalInverseDepth(std::move(depths));
+}
+
+std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Track& track) const {
+  const auto known = map_.worldPoint(point, camera_);
+  if (!known) return std::nullopt;
+  const double middle_row = 0.5 * (camera_.height() - 1);
+  return PointView{known->direction, known->origin, known->inverse_depth,
+                   asSeenAtOnce(track.pixel, track.motion, middle_row, map_.rowTimeS()),
+                   track.sigma};
+}
+
+PoseEstimate SlidingWindow::localize(const TrackedFrame& frame, const Rigid3& guess) const {
+  std::vector<PointView> known;
+  std::vector<PointView> all;  // also those seen in one keyframe alone, whose depth is a guess
+  for (const Track& track : frame.tracks) {
+    const auto found = map_.points().find(track.id);
+    if (found == map_.points().end()) continue;
+    const auto view = viewOf(found->second, track);
+    if (!view) continue;
+    all.push_back(*view);
+    if (found->second.sightings.size() > 1) known.push_back(*view);
+  }
+  return solvePose(camera_, known.size() >= kEnoughKnownPoints ? known : all, guess);
+}
+
+// Among the newest; null if there is none.
+const Keyframe* SlidingWindow::keyframeAt(std::int64_t stamp_ns) const {
+  const auto& keyframes = map_.keyframes();
+  for (auto keyframe = keyframes.rbegin(); keyframe != keyframes.rend(); ++keyframe) {
+    if (keyframe->stamp_ns == stamp_ns) return &*keyframe;
+    if (keyframe->stamp_ns < stamp_ns) break;
+  }
+  return nullptr;
+}
+
+void SlidingWindow::setMotions(std::int64_t stamp_ns,
+                               const std::map<std::int64_t, ImageMotion>& motions) {
+  const Keyframe* keyframe = keyframeAt(stamp_ns);
+  if (keyframe != nullptr) map_.setMotions(keyframe->id, motions, camera_.height());
+}
+
+// Whether the keyframe's pose was estimated with nearly the intrinsics that it was seen with, as
+// known now.
+bool SlidingWindow::nearTrueCamera(const Keyframe& keyframe) const {
+  const auto solved_with = generations_.find(keyframe.calibration_generation);
+  if (solved_with == generations_.end()) return false;
+  const double limit = options_.max_generation_distance_px;
+  const Generation& generation = solved_with->second;
+  const Camera& true_camera = map_.cameraOf(keyframe, camera_);
+  if (&true_camera == &camera_ &&
+      generations_.at(generation_).way_px - generation.way_px <= limit) {
+    return true;
+  }
+  return pixelDistance(generation.camera, true_camera).rms <= limit;
+}
+
+int SlidingWindow::conditioningCount() const {
+  const auto& keyframes = map_.keyframes();
+  const int active_begin =
+      std::max(0, static_cast<int>(keyframes.size()) - options_.active_keyframes);
+  int count = 0;
+  std::uint64_t near_generation = generation_;
+  while (count < std::min(active_begin, options_.conditioning_keyframes)) {
+    const Keyframe& keyframe = keyframes[active_begin - count - 1];
+    if (keyframe.calibration_generation != near_generation) {
+      if (!nearTrueCamera(keyframe)) break;
+      near_generation = keyframe.calibration_generation;
+    }
+    ++count;
+  }
+  return count;
+}
+
+// Points that move would pull the poses of the window: they are out before it is solved.
+std::vector<std::int64_t> SlidingWindow::tracksAtOdds(const Rigid3& pose,
+                                                      const std::vector<Track>& tracks) const {
+  std::vector<TrackedPoint> points;
+  for (const Track& track : tracks) {
+    const auto found = map_.points().find(track.id);
+    if (found == map_.points().end()) continue;
+    const auto view = viewOf(found->second, track);
+    if (view) points.push_back({track.id, *view, found->second.sightings.size() > 1});
+  }
+  return movingTracks(camera_, pose, points, options_.gross_residual_share * camera_.width());
+}
+
+std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
+                                                     const std::vector<Track>& all_tracks) {
+  keyframe.calibration_generation = generation_;
+  std::vector<std::int64_t> at_odds;
+  if (trusted_) at_odds = tracksAtOdds(keyframe.world_from_camera, all_tracks);
+  map_.removePoints(at_odds);
+  std::vector<Track> tracks;
+  for (const Track& track : all_tracks) {
+    if (std::find(at_odds.begin(), at_odds.end(), track.id) == at_odds.end()) {
+      tracks.push_back(track);
+    }
+  }
+  // New points start at the median depth of the points that the same view holds already.
+  std::vector<double> depths;
+  for (const Track& track : tracks) {
+    const auto found = map_.points().find(track.id);
+    if (found == map_.points().end()) continue;
+    const auto known = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
+    if (known) depths.push_back(*known);
+  }
+  const double depth = typicalInverseDepth(std::move(depths));
+  map_.addKeyframe(keyframe, tracks, depth, camera_);
+  std::vector<std::int64_t> outliers = solveWindow();
+  outliers.insert(outliers.end(), at_odds.begin(), at_odds.end());
+  return outliers;
+}
+
+void SlidingWindow::rememberDepth(const Segment& segment, int fixed_keyframes) {
+  const double depth = medianInverseDepth(segment, 0.0);
+  const Eigen::Vector3d newest = segment.keyframes.back().world_from_camera.translation;
+  double baseline = 0.0;
+  for (std::size_t k = fixed_keyframes; k < segment.keyframes.size(); ++k) {
+    const Eigen::Vector3d& position = segment.keyframes[k].world_from_camera.translation;
+    baseline = std::max(baseline, (position - newest).norm());
+  }
+  if (baseline * depth > kSeparatedPoses) told_inverse_depth_ = depth;
+}
+
+std::vector<std::int64_t> SlidingWindow::solveWindow() {
+  std::vector<std::int64_t> outlier_ids;
+  if (map_.keyframes().size() < 2) return outlier_ids;
+  const int conditioning = conditioningCount();
+  Segment segment = map_.lastKeyframes(options_.active_keyframes + conditioning, camera_);
+  removeLandmarks(seenByFixedAlone(segment, conditioning), &segment);
+  SegmentBlock block = freeBlock(&segment, camera_);
+  if (conditioning >= 2) {
+    const double baseline = (segment.keyframes[0].world_from_camera.translation -
+                             segment.keyframes[conditioning - 1].world_from_camera.translation)
+                                .norm();
+    const double depth = inverseDepthAt(newest(segment), segment);
+    if (baseline * depth > kSeparatedPoses) block.fixed_landmark = -1;
+    block.fixed_keyframes = conditioning;
+  }
+  block.depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};
+  if (!solve({&camera_, false, {block}}, windowSolver()).usable) return outlier_ids;
+  map_.update(segment);
+  rememberDepth(segment, conditioning);
+  if (!trusted_) return outlier_ids;
+  block.sigma_scale = std::max(1.0, medianResidualScale(block, camera_));
+  const double min_px = options_.gross_residual_share * camera_.width();
+  for (const int l : grossMisfits(block, camera_, kGrossSigmas, min_px)) {
+    outlier_ids.push_back(segment.landmarks[l].track_id);
+  }
+  map_.removePoints(outlier_ids);
+  return outlier_ids;
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,126 @@
+#include "camera_self_calibration/pipeline/health.h"
+
+#include <cmath>
+
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/queue/weak_directions.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Keyframes after which an estimate that is still unobserved is called degenerate.
+constexpr int kKeyframesToJudge = 12;
+// Scaled eigenvalue below which a direction counts as not observed at all.
+constexpr double kUnobservedEigenvalue = 1e-7;
+// rms uncertainty over image width that tells nothing about a lens: translation alone feigns 0.025
+// to 0.1 in a batch, by noise in the estimated rotations.
+constexpr double kUselessUncertaintyShare = 0.02;
+
+// What is less than this share of the image that sees is worth a word.
+constexpr double kWholeImage = 0.98;
+
+std::string goodTo(const HealthEvidence& evidence) {
+  return formatted("good to %.2f px rms over the image", evidence.uncertainty.rms) +
+         (evidence.seeing_share < kWholeImage ? " without its dark rim" : "");
+}
+
+std::string limit(const HealthEvidence& evidence) {
+  return formatted(" (limit %.2f px)", evidence.threshold_px);
+}
+
+bool isUnobserved(const HealthEvidence& evidence, const Camera& camera) {
+  if (!evidence.has_estimate || evidence.information.size() == 0) return false;
+  return !(evidence.uncertainty.rms < kUselessUncertaintyShare * camera.width()) ||
+         !(scaledEigenvalues(evidence.information)(0) > kUnobservedEigenvalue);
+}
+
+}  // namespace
+
+std::string toString(CalibrationState state) {
+  switch (state) {
+    case CalibrationState::kWaitingForMotion:
+      return "WAITING_FOR_MOTION";
+    case CalibrationState::kInitializing:
+      return "INITIALIZING";
+    case CalibrationState::kConverging:
+      return "CONVERGING";
+    case CalibrationState::kConverged:
+      return "CONVERGED";
+    case CalibrationState::kDegenerate:
+      return "DEGENERATE";
+  }
+  return "";
+}
+
+namespace {
+
+// The parameters that are known least and the motion that would tell them.
+WeakDirection weakest(const HealthEvidence& evidence, const Camera& camera) {
+  return weakestDirection(evidence.has_estimate ? evidence.information : IntrinsicsMatrix(),
+                          camera);
+}
+
+// No parameter asks for k3: it is estimated where a comparison of models finds that it is needed.
+std::string settable(const std::string& model) {
+  return cameraModelFromString(model) ? model : "auto";
+}
+
+HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
+  std::string sentence =
+      evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
+  if (evidence.has_estimate) {
+    sentence += "; so far " + goodTo(evidence) +
+                formatted(" (hand-over below %.2f px)", 2.0 * evidence.threshold_px);
+  }
+  // Also where so many keyframes have no solution yet.
+  if (evidence.has_estimate || evidence.keyframes >= kKeyframesToJudge) {
+    sentence += ", least known: " + weak.name;
+  }
+  if (!evidence.obstacle.empty()) sentence += "; " + evidence.obstacle;
+  return {CalibrationState::kInitializing, sentence, weak.hint};
+}
+
+}  // namespace
+
+HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
+                          bool was_converged) {
+  const double rms = evidence.uncertainty.rms;
+  if (evidence.handed_over && rms > evidence.threshold_px && !evidence.better_model.empty()) {
+    return {CalibrationState::kConverging,
+            "the calibration is " + goodTo(evidence) + limit(evidence) +
+                ", as its model does not describe the lens",
+            "set the parameter model to " + settable(evidence.better_model)};
+  }
+  if (was_converged && rms > evidence.threshold_px) {
+    return {CalibrationState::kConverged,
+            "the calibration had converged, but the newest stretches disagree with it: now only " +
+                goodTo(evidence) + limit(evidence),
+            "if this lasts although the lens was not touched, restart the calibration"};
+  }
+  if (was_converged || (evidence.handed_over && rms <= evidence.threshold_px)) {
+    return {CalibrationState::kConverged,
+            "the calibration is " + goodTo(evidence) + limit(evidence), ""};
+  }
+  const WeakDirection weak = weakest(evidence, camera);
+  if (evidence.handed_over) {
+    return {CalibrationState::kConverging,
+            "the calibration is " + goodTo(evidence) +
+                formatted(", %.2f px are wanted", evidence.threshold_px) +
+                "; least known: " + weak.name,
+            weak.hint};
+  }
+  if (evidence.keyframes < 2) {
+    return {CalibrationState::kWaitingForMotion,
+            "the camera has not moved enough to learn anything from it", "move the camera"};
+  }
+  if (evidence.keyframes >= kKeyframesToJudge && isUnobserved(evidence, camera)) {
+    return {CalibrationState::kDegenerate,
+            "the motion so far does not tell the intrinsics; least known: " + weak.name +
+                ", kept as last known",
+            weak.hint};
+  }
+  return stillLearning(evidence, weak);
+}
+
+}  // namespace camera_self_calibration

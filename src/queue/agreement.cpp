@@ -1,0 +1,217 @@
+#include "camera_self_calibration/queue/agreement.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/linear_segments.h"
+#include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/robust.h"
+#include "camera_self_calibration/estimation/solver.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Evidence of one block at its present state.
+Evidence linearized(const SegmentBlock& block, const Camera& camera) {
+  const int count = camera.estimatedCount();
+  LinearSegments only(1);
+  LinearSegment& linear = only[0];
+  linear.linearize(block, camera, count, SolverOptions().huber);
+  linear.eliminate(0.0);
+  return {block.segment->beginNs(), block.segment->endNs(), camera.parameters().head(count),
+          linear.reducedGradient(), linear.reducedHessian()};
+}
+
+Intrinsics estimated(const Camera& camera) {
+  return camera.parameters().head(camera.estimatedCount());
+}
+
+// Degrees of freedom that the sigmas themselves count for beside the scatter that was seen, which
+// in two stretches alone could be of any size by chance.
+constexpr int kPriorFreedom = 5;
+
+double squared(double value) { return value * value; }
+
+// Sums of gradient and information at the reference, with its inflation.
+Evidence pooled(const std::vector<Evidence>& evidence, const Reference& reference) {
+  const Intrinsics point = estimated(reference.camera);
+  Evidence sum;
+  sum.point = point;
+  sum.gradient.setZero(point.size());
+  sum.information.setZero(point.size(), point.size());
+  for (const Evidence& one : evidence) {
+    if (one.point.size() != point.size()) continue;
+    sum.gradient += one.gradientAt(point);
+    sum.information += one.information;
+  }
+  const double weight = 1.0 / squared(reference.scatter.inflation());
+  sum.gradient *= weight;
+  sum.information *= weight;
+  return sum;
+}
+
+// Continued fraction of the incomplete beta function (Lentz).
+double betaFraction(double a, double b, double x) {
+  constexpr double kTiny = 1e-300;
+  double c = 1.0;
+  double d = 1.0 / std::max(kTiny, 1.0 - (a + b) * x / (a + 1.0));
+  double fraction = d;
+  for (int m = 1; m < 500; ++m) {
+    const double even = m * (b - m) * x / ((a + 2 * m - 1.0) * (a + 2 * m));
+    d = 1.0 / (1.0 + even * d);
+    c = 1.0 + even / c;
+    fraction *= d * c;
+    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1.0));
+    d = 1.0 / (1.0 + odd * d);
+    c = 1.0 + odd / c;
+    fraction *= d * c;
+    if (std::abs(d * c - 1.0) < 1e-14) break;
+  }
+  return fraction;
+}
+
+// Regularised incomplete beta function I_x(a, b).
+double incompleteBeta(double a, double b, double x) {
+  if (x <= 0.0) return 0.0;
+  if (x >= 1.0) return 1.0;
+  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
+                                a * std::log(x) + b * std::log1p(-x));
+  if (x < (a + 1.0) / (a + b + 2.0)) return front * betaFraction(a, b, x) / a;
+  return 1.0 - front * betaFraction(b, a, 1.0 - x) / b;
+}
+
+}  // namespace
+
+double squaredDistance(const Intrinsics& gradient, const IntrinsicsMatrix& information) {
+  return gradient.dot(information.completeOrthogonalDecomposition().solve(gradient));
+}
+
+Evidence ownEvidence(const Candidate& candidate) {
+  const int count = candidate.camera.estimatedCount();
+  return {candidate.segment.beginNs(), candidate.segment.endNs(),
+          candidate.camera.parameters().head(count), Intrinsics::Zero(count),
+          candidate.information};
+}
+
+std::optional<Evidence> evidenceAt(const Camera& camera, const Segment& segment,
+                                   double sigma_scale) {
+  Segment copy = segment;
+  Camera held = camera;
+  Problem problem{&held, false, {freeBlock(&copy, camera)}};
+  problem.blocks[0].sigma_scale = sigma_scale;
+  SolverOptions options;
+  options.step_tolerance = 1e-4;
+  options.cost_tolerance = 1e-5;
+  if (!solve(problem, options).usable) return std::nullopt;
+  const Evidence evidence = linearized(problem.blocks[0], camera);
+  if (!evidence.gradient.allFinite() || !evidence.information.allFinite()) return std::nullopt;
+  return evidence;
+}
+
+Segment restarted(const Segment& segment, const Segment& start) {
+  Segment result = segment;
+  std::map<std::int64_t, const Keyframe*> keyframes;
+  for (const Keyframe& keyframe : start.keyframes) keyframes[keyframe.id] = &keyframe;
+  for (Keyframe& keyframe : result.keyframes) {
+    const auto found = keyframes.find(keyframe.id);
+    if (found != keyframes.end()) keyframe.world_from_camera = found->second->world_from_camera;
+  }
+  std::map<std::int64_t, const Landmark*> landmarks;
+  for (const Landmark& landmark : start.landmarks) landmarks[landmark.track_id] = &landmark;
+  for (Landmark& landmark : result.landmarks) {
+    const auto found = landmarks.find(landmark.track_id);
+    if (found == landmarks.end() || found->second->reference != landmark.reference) continue;
+    landmark.bearing = found->second->bearing;
+    landmark.inverse_depth = found->second->inverse_depth;
+  }
+  return result;
+}
+
+std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
+                                          const QueueEstimate& queue,
+                                          const QueueSolution& solution) {
+  if (!solution.usable || solution.shares.size() != queue.candidates().size()) return std::nullopt;
+  const int count = solution.camera.estimatedCount();
+  // Of the rest, at the joint optimum.
+  IntrinsicsMatrix information = squared(solution.scatter.inflation()) * solution.information;
+  Intrinsics gradient = Intrinsics::Zero(count);
+  double chi_square = 0.0;
+  int kept = 0;
+  for (std::size_t i = 0; i < solution.shares.size(); ++i) {
+    const Segment& segment = queue.candidates()[i].segment;
+    const BlockShare& share = solution.shares[i];
+    if (segment.endNs() < begin_ns || segment.beginNs() > end_ns) {
+      ++kept;
+      chi_square += squaredDistance(share.gradient, share.information);
+      continue;
+    }
+    information -= share.information;
+    gradient -= share.gradient;
+  }
+  const auto covariance = covarianceFromInformation(information);
+  if (kept == 0 || !covariance) return std::nullopt;
+  Reference reference{solution.camera, information, solution.scatter};
+  const Intrinsics step = *covariance * gradient;
+  Intrinsics parameters = solution.camera.parameters();
+  parameters.head(count) += step;
+  reference.camera.setParameters(parameters);
+  if (!reference.camera.valid()) return std::nullopt;
+  // One that is tested must not be excused by what an earlier version of itself disagreed.
+  if (kept > 1 && kept < static_cast<int>(solution.shares.size())) {
+    chi_square = std::clamp(chi_square - gradient.dot(step), 0.0, solution.scatter.chi_square);
+    reference.scatter = {chi_square, count * (kept - 1)};
+  }
+  reference.information /= squared(reference.scatter.inflation());
+  return reference;
+}
+
+Agreement agreement(const std::vector<Evidence>& evidence, const Reference& reference) {
+  const Evidence sum = pooled(evidence, reference);
+  // (I_o^-1 + I_r^-1)^-1 = I_o - I_o (I_o + I_r)^-1 I_o, and I_o d is the gradient: no inverse of
+  // I_o is needed, which may be singular.
+  const Eigen::MatrixXd total = sum.information + reference.information;
+  const Eigen::VectorXd scale = total.diagonal().unaryExpr(&inverseRoot);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(scale.asDiagonal() * total * scale.asDiagonal());
+  Eigen::MatrixXd own = scale.asDiagonal() * sum.information * scale.asDiagonal();
+  const Eigen::VectorXd g = scale.cwiseProduct(sum.gradient);
+  // T^2 = g^T (I_o + I_o I_r^-1 I_o)^-1 g on the range of I_o.
+  const Eigen::MatrixXd inner = own - own * factor.solve(own);
+  const Eigen::VectorXd d = own.completeOrthogonalDecomposition().solve(g);
+  Agreement result;
+  result.statistic = std::max(0.0, d.dot(inner * d));
+  if (!std::isfinite(result.statistic)) result.statistic = 0.0;
+  result.p_value = pValue(result.statistic, reference);
+  return result;
+}
+
+Intrinsics compromise(const std::vector<Evidence>& evidence, const Reference& reference) {
+  const Evidence sum = pooled(evidence, reference);
+  const Eigen::MatrixXd total = sum.information + reference.information;
+  const Eigen::VectorXd scale = total.diagonal().unaryExpr(&inverseRoot);
+  const Eigen::LDLT<Eigen::MatrixXd> factor(scale.asDiagonal() * total * scale.asDiagonal());
+  const Eigen::VectorXd step =
+      scale.cwiseProduct(factor.solve(scale.cwiseProduct(sum.gradient)).eval());
+  return sum.point + step;
+}
+
+double fExceedance(double value, int numerator_freedom, int denominator_freedom) {
+  if (!(value > 0.0)) return 1.0;
+  const double x = denominator_freedom / (denominator_freedom + numerator_freedom * value);
+  return incompleteBeta(0.5 * denominator_freedom, 0.5 * numerator_freedom, x);
+}
+
+double pValue(double statistic, const Reference& reference) {
+  const int count = reference.camera.estimatedCount();
+  const Scatter& scatter = reference.scatter;
+  if (scatter.inflationFreedom() == 0) return chiSquareExceedance(statistic, count);
+  const int freedom = scatter.inflationFreedom() + kPriorFreedom;
+  const double variance = (scatter.chi_square + kPriorFreedom) / freedom;
+  const double ratio = squared(scatter.inflation()) / variance;  // statistic is in inflated sigmas
+  return fExceedance(ratio * statistic / count, count, freedom);
+}
+
+}  // namespace camera_self_calibration

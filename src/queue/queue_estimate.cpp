@@ -1,0 +1,159 @@
+#include "camera_self_calibration/queue/queue_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
+#include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/queue/agreement.h"
+
+namespace camera_self_calibration {
+
+namespace {
+
+constexpr int kSettlingRounds = 2;
+constexpr double kSettled = 0.02;  // of the intrinsics' sigmas, in a step
+
+SolverOptions solverOptions(int threads) {
+  SolverOptions options;
+  options.threads = threads;
+  options.max_iterations = 20;
+  // From warm starts: what is left is the slow settling of outlying tracks, far below a tenth of
+  // the intrinsics' sigma.
+  options.step_tolerance = 1e-2;
+  options.cost_tolerance = 2e-5;
+  options.intrinsics_tolerance = kSettled;
+  return options;
+}
+
+// How far a segment's own estimate is from the joint one: twice the rise of its cost, measured and
+// to second order.
+struct Disagreement {
+  double measured = 0.0;
+  double expected = 0.0;
+
+  double chiSquare() const { return std::max(0.0, std::min(measured, expected)); }
+  // Poses and depths are where they explain the segment far worse than they could with the joint
+  // intrinsics. A segment whose own cost says nothing about them is taken as it is.
+  bool unsettled(double own_cost) const {
+    return measured > 2.0 * expected + 10.0 + 0.02 * own_cost;
+  }
+};
+
+Disagreement disagreement(const Candidate& candidate, const SegmentBlock& block,
+                          const Camera& joint) {
+  const Intrinsics off =
+      (joint.parameters() - candidate.camera.parameters()).head(candidate.information.rows());
+  const double cost = robustCost(block, joint, SolverOptions().huber);
+  return {2.0 * (cost - candidate.cost), off.dot(candidate.information * off)};
+}
+
+}  // namespace
+
+void QueueEstimate::remove(const std::vector<std::int64_t>& sequences) {
+  const auto leaves = [&](const Candidate& candidate) {
+    return std::find(sequences.begin(), sequences.end(), candidate.segment.sequence) !=
+           sequences.end();
+  };
+  for (std::size_t i = candidates_.size(); i-- > 0;) {
+    if (!leaves(candidates_[i])) continue;
+    candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(i));
+    own_.erase(own_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+// In a segment that hardly tells poses or depths, as in rotation on the spot, a joint step can
+// throw them where no later step leads back from, and the segment would seem to disagree with the
+// rest. From the solution that it came with, the way is short.
+bool QueueEstimate::settle(Problem* problem) {
+  bool moved = false;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    SegmentBlock& block = problem->blocks[i];
+    const Disagreement now = disagreement(candidates_[i], block, *problem->camera);
+    if (!now.unsettled(candidates_[i].cost)) continue;
+    Segment again = restarted(candidates_[i].segment, own_[i]);
+    Problem alone{problem->camera, false, {block}, {}};
+    alone.blocks[0].segment = &again;
+    if (!camera_self_calibration::solve(alone, solverOptions(1)).usable) continue;
+    if (disagreement(candidates_[i], alone.blocks[0], *problem->camera).measured < now.measured) {
+      candidates_[i].segment = std::move(again);
+      moved = true;
+    }
+  }
+  return moved;
+}
+
+QueueSolution QueueEstimate::solve(const Camera& start) {
+  QueueSolution solution;
+  solution.camera = start;
+  if (candidates_.empty()) return solution;
+  Problem problem;
+  problem.camera = &solution.camera;
+  for (Candidate& candidate : candidates_) {
+    problem.blocks.push_back(freeBlock(&candidate.segment, start));
+    problem.blocks.back().sigma_scale = candidate.sigma_scale;
+  }
+  const SolverOptions options = solverOptions(threads_);
+  SolveSummary summary = camera_self_calibration::solve(problem, options);
+  solution.iterations = summary.iterations;
+  for (int round = 0; round < kSettlingRounds && summary.usable && settle(&problem); ++round) {
+    summary = camera_self_calibration::solve(problem, options);
+    solution.iterations += summary.iterations;
+  }
+  double chi_square = 0.0;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    chi_square += disagreement(candidates_[i], problem.blocks[i], solution.camera).chiSquare();
+  }
+  const int freedom = (static_cast<int>(candidates_.size()) - 1) * problem.intrinsicsCount();
+  // One segment alone cannot disagree: what was known of disagreement stays.
+  if (freedom > 0) scatter_ = {chi_square, freedom};
+  solution.scatter = scatter_;
+  const double inflation = solution.scatter.inflation();
+  const double variance = inflation * inflation;
+  Marginal marginal = marginalize(problem, options.huber, threads_, DepthNoise::kDiscounted);
+  solution.information = marginal.whole_information / variance;
+  if (const auto covariance = marginal.robustCovariance()) {
+    solution.covariance = variance * *covariance;
+  }
+  solution.shares = std::move(marginal.shares);
+  solution.usable = summary.usable && solution.camera.valid() && solution.covariance.size() > 0;
+  return solution;
+}
+
+RowTimeEstimate QueueEstimate::rowTime(const QueueSolution& solution) const {
+  std::vector<Segment> segments;
+  for (const Candidate& candidate : candidates_) segments.push_back(candidate.segment);
+  std::vector<SegmentBlock> blocks;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    blocks.push_back(freeBlock(&segments[i], solution.camera));
+    blocks.back().sigma_scale = candidates_[i].sigma_scale * solution.scatter.inflation();
+  }
+  return estimateRowTime(blocks, solution.camera, IntrinsicsPrior(), threads_);
+}
+
+Camera QueueSolution::present() const {
+  Camera now = camera;
+  if (!drift.significant) return now;
+  Intrinsics parameters = camera.parameters();
+  parameters.head(drift.offset.size()) += drift.offset;
+  now.setParameters(parameters);
+  return now;
+}
+
+IntrinsicsMatrix QueueSolution::presentCovariance() const {
+  if (!drift.significant) return covariance;
+  // What the covariance allows for beyond the information: correlated errors, the row time.
+  const auto independent = covarianceFromInformation(information);
+  return independent ? IntrinsicsMatrix(drift.covariance + covariance - *independent)
+                     : drift.covariance;
+}
+
+void QueueSolution::addUncertaintyOf(const RowTimeEstimate& row_time, double doubt_s) {
+  if (!row_time.usable || row_time.slope.size() != covariance.rows()) return;
+  const Intrinsics deviation = doubt_s * row_time.slope;
+  covariance += deviation * deviation.transpose();
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,24 @@
+#include "camera_self_calibration/queue/scatter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "camera_self_calibration/estimation/robust.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Scatter that is more likely than this is chance.
+constexpr double kByChance = 0.05;
+
+}  // namespace
+
+double Scatter::inflation() const {
+  return freedom > 0 ? std::sqrt(std::max(1.0, chi_square / freedom)) : 1.0;
+}
+
+int Scatter::inflationFreedom() const {
+  return freedom > 0 && chiSquareExceedance(chi_square, freedom) < kByChance ? freedom : 0;
+}
+
+}  // namespace camera_self_calibration

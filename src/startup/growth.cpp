@@ -1,0 +1,176 @@
+#include "camera_self_calibration/startup/growth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "camera_self_calibration/estimation/gate.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/pose_solver.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
+#include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/map/inverse_depth.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kHuber = 2.0;
+
+// The observations of keyframe k of landmarks that earlier keyframes determine.
+std::vector<PointView> viewsOf(const Segment& segment, int k, const Camera& camera) {
+  std::vector<PointView> views;
+  for (const Observation& observation : segment.observations) {
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    if (observation.keyframe != k || landmark.reference >= k) continue;
+    Eigen::Vector3d ray;
+    const Camera& seen_with = segment.cameraOf(landmark.reference, camera);
+    if (!landmarkRay(seen_with, landmark, &ray, nullptr)) continue;
+    const Rigid3& reference = segment.keyframes[landmark.reference].world_from_camera;
+    views.push_back({reference.rotation * ray, reference.translation, landmark.inverse_depth,
+                     observation.pixel, observation.sigma});
+  }
+  return views;
+}
+
+double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
+  std::vector<double> depths;
+  for (const Observation& observation : segment.observations) {
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    Eigen::Vector3d ray;
+    if (observation.keyframe != k || landmark.reference >= k ||
+        !landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr)) {
+      continue;
+    }
+    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
+                                          ray, landmark.inverse_depth,
+                                          segment.keyframes[k].world_from_camera));
+  }
+  return typicalInverseDepth(std::move(depths));
+}
+
+void restartRunawayDepths(double max_ratio, Segment* segment) {
+  const double typical = typicalInverseDepth(inverseDepths(*segment));
+  for (Landmark& landmark : segment->landmarks) {
+    if (!(landmark.inverse_depth > 0.0) || landmark.inverse_depth > max_ratio * typical) {
+      landmark.inverse_depth = typical;
+    }
+  }
+}
+
+}  // namespace
+
+bool ranAway(const Camera& camera) {
+  // Of the image width: a lens that sees all around (2 pi) in a circle over a third of the image.
+  constexpr double kShortestFocal = 0.05;
+  return !camera.valid() ||
+         camera.parameters().head<2>().minCoeff() < kShortestFocal * camera.width();
+}
+
+Segment prefixOf(const Segment& segment, int keyframes, int min_views,
+                 std::vector<int>* landmark_index) {
+  Segment prefix;
+  prefix.sequence = segment.sequence;
+  prefix.earlier_camera = segment.earlier_camera;
+  prefix.earlier_keyframes = std::min(segment.earlier_keyframes, keyframes);
+  prefix.keyframes.assign(segment.keyframes.begin(), segment.keyframes.begin() + keyframes);
+  std::vector<int> views(segment.landmarks.size(), 0);
+  for (const Observation& observation : segment.observations) {
+    views[observation.landmark] += observation.keyframe < keyframes;
+  }
+  std::vector<int> new_index(segment.landmarks.size(), -1);
+  landmark_index->clear();
+  for (std::size_t l = 0; l < segment.landmarks.size(); ++l) {
+    const int needed = min_views + (segment.landmarks[l].anchored ? 0 : 1);
+    if (segment.landmarks[l].reference >= keyframes || views[l] < needed) continue;
+    new_index[l] = static_cast<int>(prefix.landmarks.size());
+    prefix.landmarks.push_back(segment.landmarks[l]);
+    landmark_index->push_back(static_cast<int>(l));
+  }
+  for (Observation observation : segment.observations) {
+    if (observation.keyframe >= keyframes || new_index[observation.landmark] < 0) continue;
+    observation.landmark = new_index[observation.landmark];
+    prefix.observations.push_back(observation);
+  }
+  return prefix;
+}
+
+void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, Segment* segment) {
+  std::copy(prefix.keyframes.begin(), prefix.keyframes.end(), segment->keyframes.begin());
+  for (std::size_t l = 0; l < landmark_index.size(); ++l) {
+    segment->landmarks[landmark_index[l]] = prefix.landmarks[l];
+  }
+}
+
+namespace {
+
+// Far from the solution all residuals are large: the sigma follows them, so that the robust weight
+// still tells outliers from the rest; within bounds, since where nothing can be predicted there is
+// no residual to follow.
+double provisionalScale(const SegmentBlock& block, const Camera& camera) {
+  constexpr double kMaxScale = 1000.0;
+  const double scale = medianResidualScale(block, camera);
+  return std::isfinite(scale) ? std::clamp(scale, 1.0, kMaxScale) : kMaxScale;
+}
+
+// A first pose and first depths for keyframe `k`.
+void placeKeyframe(int k, const Camera& camera, Segment* segment) {
+  auto& keyframes = segment->keyframes;
+  Rigid3& pose = keyframes[k].world_from_camera;
+  pose = keyframes[k - 1].world_from_camera;
+  const PoseEstimate solved = solvePose(camera, viewsOf(*segment, k, camera), pose, kHuber, 20);
+  if (solved.usable) pose = solved.world_from_camera;
+  const double depth = medianDepthAt(*segment, k, camera);
+  for (Landmark& landmark : segment->landmarks) {
+    if (landmark.reference == k) landmark.inverse_depth = depth;
+  }
+}
+
+// No motion, unit depths, first rays.
+void forget(const Camera& camera, Segment* segment) {
+  for (Keyframe& keyframe : segment->keyframes) keyframe.world_from_camera = Rigid3();
+  for (Landmark& landmark : segment->landmarks) landmark.inverse_depth = 1.0;
+  for (const Observation& observation : segment->observations) {
+    Landmark& landmark = segment->landmarks[observation.landmark];
+    if (landmark.anchored || observation.keyframe != landmark.reference) continue;
+    if (const auto ray = camera.unproject(observation.pixel)) landmark.bearing = *ray;
+  }
+}
+
+}  // namespace
+
+double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera) {
+  placeKeyframe(k, *camera, segment);
+  std::vector<int> landmark_index;
+  Segment prefix = prefixOf(*segment, k + 1, 1, &landmark_index);
+  if (prefix.observations.empty()) return std::numeric_limits<double>::infinity();
+  SolverOptions solver;
+  solver.huber = kHuber;
+  // A long batch moves little by one keyframe more.
+  solver.max_iterations = k < 12 ? 12 : 6;
+  solver.step_tolerance = 1e-2;
+  solver.cost_tolerance = 1e-3;
+  Problem problem;
+  problem.camera = camera;
+  problem.estimate_intrinsics = k + 1 >= options.free_after_keyframes;
+  problem.blocks = {freeBlock(&prefix, *camera)};
+  problem.prior = options.prior;
+  SegmentBlock& block = problem.blocks.front();
+  block.sigma_scale = provisionalScale(block, *camera);
+  solve(problem, solver);
+  restartRunawayDepths(options.max_inverse_depth_ratio, &prefix);
+  adoptPrefix(prefix, landmark_index, segment);
+  block.sigma_scale = 1.0;
+  return robustCost(block, *camera, kHuber);
+}
+
+double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera) {
+  forget(*camera, segment);
+  double cost = std::numeric_limits<double>::infinity();
+  for (int k = 1; k < static_cast<int>(segment->keyframes.size()); ++k) {
+    cost = growByKeyframe(options, k, segment, camera);
+  }
+  return cost;
+}
+
+}  // namespace camera_self_calibration

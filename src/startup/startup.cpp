@@ -1,0 +1,279 @@
+#include "camera_self_calibration/startup/startup.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/map/rolling_shutter.h"
+#include "camera_self_calibration/queue/segment_fit.h"
+#include "camera_self_calibration/queue/weak_directions.h"
+#include "camera_self_calibration/startup/connection.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Other guesses are tried after so many keyframes, and again each time there are 3/2 as many.
+constexpr int kFirstRetry = 6;
+constexpr int kNewBatchKeyframes = 12;  // at most, where one begins again
+constexpr double kHuber = 2.0;
+constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
+// Of the likelihood ratio that k3 needs: promised to first order, it may turn out twice as large.
+constexpr double kWorthAFit = 0.5;
+
+Segment newestKeyframes(const Segment& segment, int count) {
+  std::vector<char> keep(segment.keyframes.size(), 1);
+  const int left_out = static_cast<int>(keep.size()) - count;
+  for (int k = 0; k < left_out; ++k) keep[k] = 0;
+  return onlyKeyframes(segment, keep);
+}
+
+int countAfter(std::int64_t id, const Segment& segment) {
+  return static_cast<int>(
+      std::count_if(segment.keyframes.begin(), segment.keyframes.end(),
+                    [id](const Keyframe& keyframe) { return keyframe.id > id; }));
+}
+
+// The likelihood ratio that k3 has to offer at a solution without it, to first order (score test).
+double promisedByK3(Segment segment, Camera camera) {
+  camera.setEstimateK3(true);
+  const Problem problem{&camera, true, {freeBlock(&segment, camera)}};
+  const Marginal marginal = marginalize(problem, kHuber, 1);
+  const double step = marginal.remainingStep();
+  return step * step / std::max(1.0, marginal.designEffect());
+}
+
+// Whether the newest solved keyframe is among those of the history.
+bool continues(const Segment& solved, const Segment& history) {
+  if (solved.keyframes.empty()) return false;
+  const std::int64_t newest = solved.keyframes.back().id;
+  return std::any_of(history.keyframes.begin(), history.keyframes.end(),
+                     [newest](const Keyframe& keyframe) { return keyframe.id == newest; });
+}
+
+}  // namespace
+
+IntrinsicsPrior vaguePrior(const Camera& about) {
+  IntrinsicsPrior prior{about.parameters(), about.parameters()};
+  const double width = about.width();
+  prior.sigma.fill(about.model() == CameraModel::kEquidistant ? 0.3 : 1.0);
+  prior.sigma.head<2>().fill(0.7 * width);
+  prior.sigma.segment<2>(2).fill(0.2 * width);
+  if (about.model() == CameraModel::kRadtan) prior.sigma.segment<2>(6).fill(0.1);
+  return prior;
+}
+
+Startup::Startup(const StartupOptions& options, const Camera& initial) : options_(options) {
+  reset(initial);
+}
+
+void Startup::reset(const Camera& initial) {
+  initial_ = camera_ = trusted_ = initial;
+  options_.growth.prior = vaguePrior(initial);
+  next_.reset();
+  segment_ = Segment();
+  information_ = covariance_ = IntrinsicsMatrix();
+  whole_image_uncertainty_ = PixelError::unknown();
+  residual_scale_ = 1.0;
+  usable_ = false;
+  told_ = false;
+  ran_away_ = false;
+  added_ = 0;
+  next_retry_ = kFirstRetry;
+  next_guess_ = 0;
+  best_guess_.reset();
+}
+
+void Startup::switchModel(const Camera& camera) {
+  initial_ = camera_ = trusted_ = camera;
+  next_.reset();
+  options_.growth.prior = vaguePrior(camera);
+  information_ = covariance_ = IntrinsicsMatrix();
+  whole_image_uncertainty_ = PixelError::unknown();
+  usable_ = false;
+}
+
+void Startup::resume(const Camera& camera, const IntrinsicsMatrix& information,
+                     const Segment& solved, const IntrinsicsMatrix& earlier_covariance) {
+  reset(camera);
+  segment_ = solved;
+  earlier_covariance_ = earlier_covariance;
+  setInformation(information);
+  usable_ = true;
+  told_ = tellsLens();
+  added_ = static_cast<int>(solved.keyframes.size());
+}
+
+void Startup::beginNextFrom(const Camera& camera, const IntrinsicsMatrix& covariance) {
+  next_ = FirstGuess{camera, vaguePrior(camera)};
+  Intrinsics& sigma = next_->prior.sigma;
+  for (int i = 0; i < covariance.rows(); ++i) {
+    sigma(i) = std::min(sigma(i), kPriorSigmas * std::sqrt(covariance(i, i)));
+  }
+}
+
+Camera Startup::heldCamera() const {
+  if (tellsLens()) return camera_;
+  Camera trusted = trusted_;
+  trusted.setEstimateK3(camera_.estimatedCount() == kMaxIntrinsics);
+  return withWeakDirectionsHeld(camera_, information_, trusted,
+                                options_.useless_uncertainty_share * camera_.width());
+}
+
+bool Startup::tellsLens() const {
+  return usable_ &&
+         whole_image_uncertainty_.rms < options_.useless_uncertainty_share * camera_.width();
+}
+
+void Startup::add(const Segment& history) {
+  if (history.keyframes.size() < 2) return;
+  if (!continues(segment_, history)) {
+    beginBatch(history);
+  } else if (ran_away_) {
+    beginAgain(history);
+  } else {
+    extend(history);
+  }
+  judge();
+  if (added_ >= next_retry_ &&
+      (!usable_ || residual_scale_ * residual_scale_ > options_.retry_cost)) {
+    tryOtherGuesses();
+  }
+  while (static_cast<int>(segment_.keyframes.size()) > options_.max_keyframes) {
+    segment_ = withoutKeyframe(
+        segment_, leastInformative(options_.choice, segment_, camera_, options_.growth.prior));
+  }
+}
+
+// A lost map is no reason to forget the lens.
+void Startup::beginBatch(const Segment& history) {
+  next_retry_ = kFirstRetry;
+  next_guess_ = 0;
+  best_guess_.reset();
+  if (next_) {
+    camera_ = next_->camera;
+    options_.growth.prior = next_->prior;
+    next_retry_ = std::numeric_limits<int>::max();  // others would be less than what is known
+  } else if (!usable_) {
+    camera_ = initial_;
+  }
+  segment_ = connectedToNewest(history);
+  bootstrap(options_.growth, &segment_, &camera_);
+  added_ = static_cast<int>(history.keyframes.size());
+}
+
+// With what is known of the lens from before, and from few keyframes: bounded time.
+void Startup::beginAgain(const Segment& history) {
+  added_ += countAfter(segment_.keyframes.back().id, history);
+  camera_ = next_ ? next_->camera : trusted_;
+  options_.growth.prior = next_ ? next_->prior : vaguePrior(camera_);
+  segment_ = connectedToNewest(newestKeyframes(history, kNewBatchKeyframes));
+  bootstrap(options_.growth, &segment_, &camera_);
+}
+
+void Startup::extend(const Segment& history) {
+  const std::int64_t newest = segment_.keyframes.back().id;
+  segment_ = connectedToNewest(extended(segment_, history, camera_));
+  const int keyframes = static_cast<int>(segment_.keyframes.size());
+  const int known = keyframes - countAfter(newest, segment_);
+  if (known == 0) {
+    bootstrap(options_.growth, &segment_, &camera_);
+  } else {
+    for (int k = known; k < keyframes; ++k) {
+      growByKeyframe(options_.growth, k, &segment_, &camera_);
+    }
+  }
+  added_ += countAfter(newest, history);
+}
+
+void Startup::judge() {
+  usable_ = ran_away_ = false;
+  whole_image_uncertainty_ = PixelError::unknown();
+  if (static_cast<int>(segment_.keyframes.size()) < options_.growth.free_after_keyframes) return;
+  Segment gated = segment_;
+  Camera camera = camera_;
+  SegmentFitOptions options;
+  // From the solution of one keyframe ago. What tells nothing has no sharp optimum to look for.
+  options.max_iterations = told_ ? 10 : 4;
+  options.cost_tolerance = 1e-5;  // a hundredth of a sigma
+  options.prior = options_.growth.prior;
+  options.depth_noise = DepthNoise::kDiscounted;
+  const SegmentFit fit = fitSegment(options, &gated, &camera);
+  ran_away_ = !fit.usable || ranAway(camera);
+  if (ran_away_) return;
+  camera_ = camera;
+  residual_scale_ = fit.residual_scale;
+  setInformation(fit.marginal);
+  usable_ = true;
+  if (fit.unexplained_sigma > 0.0 && tellsLens()) considerK3(gated);
+  told_ = tellsLens();
+  if (told_) {
+    trusted_ = camera_;
+    options_.growth.prior.mean = camera_.parameters();
+  }
+  // The gated solution is the better one; tracks that did not fit stay with their old depth, since
+  // they may fit later.
+  std::map<std::int64_t, const Landmark*> solved;
+  for (const Landmark& landmark : gated.landmarks) solved[landmark.track_id] = &landmark;
+  segment_.keyframes = gated.keyframes;
+  for (Landmark& landmark : segment_.landmarks) {
+    const auto found = solved.find(landmark.track_id);
+    if (found != solved.end()) landmark = *found->second;
+  }
+  gated_ = std::move(gated);
+}
+
+void Startup::setInformation(const Marginal& marginal) {
+  const double scale = marginal.sigmaScale();
+  setInformation(IntrinsicsMatrix(marginal.information / (scale * scale)));
+}
+
+// An error of the earlier lens, which is held, shows in the present one about as large.
+void Startup::setInformation(const IntrinsicsMatrix& information) {
+  information_ = information;
+  covariance_ = covarianceFromInformation(information_).value_or(IntrinsicsMatrix());
+  if (segment_.isEarlier(0) && covariance_.size() > 0 &&
+      covariance_.size() == earlier_covariance_.size()) {
+    covariance_ += earlier_covariance_;
+    information_ = covarianceFromInformation(covariance_).value_or(information_);
+  }
+  whole_image_uncertainty_ = pixelUncertainty(camera_, covariance_);
+}
+
+void Startup::setRowTime(double row_time_s) {
+  setRowTimeOfScene(row_time_s, camera_, &segment_);
+  if (usable_) judge();
+}
+
+RowTimeEstimate Startup::rowTime() const {
+  if (!tellsLens()) return RowTimeEstimate();
+  Segment segment = gated_;
+  return estimateRowTime({freeBlock(&segment, camera_)}, camera_, options_.growth.prior, 1);
+}
+
+void Startup::considerK3(const Segment& gated) {
+  if (camera_.model() != CameraModel::kRadtan ||
+      camera_.estimatedCount() > Camera::parameterCount(CameraModel::kRadtan) ||
+      static_cast<int>(gated.keyframes.size()) < kFirstRetry) {
+    return;
+  }
+  if (promisedByK3(gated, camera_) < kWorthAFit * options_.k3_likelihood_ratio) return;
+  const SegmentFitOptions options = comparableFits();
+  Segment without_segment = gated;
+  Camera without_camera = camera_;
+  const SegmentFit without = fitSegment(options, &without_segment, &without_camera);
+  Camera camera = camera_;
+  camera.setEstimateK3(true);
+  Segment with_segment = gated;
+  const SegmentFit with = fitSegment(options, &with_segment, &camera);
+  if (!without.usable || !with.usable || !camera.valid()) return;
+  const double ratio = 2.0 * (without.marginal.cost - with.marginal.cost) /
+                       std::max(1.0, without.marginal.designEffect());
+  if (ratio < options_.k3_likelihood_ratio) return;
+  camera_ = camera;
+  setInformation(with.marginal);
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,30 @@
+#include "camera_self_calibration/base/formatted.h"
+
+#include <gtest/gtest.h>
+
+namespace camera_self_calibration {
+namespace {
+
+TEST(Formatted, IsWhatPrintfWouldPrint) {
+  EXPECT_EQ(formatted("nothing"), "nothing");
+  EXPECT_EQ(formatted("%s: %.2f px, %d of %d", "error", 0.125, 3, 10), "error: 0.12 px, 3 of 10");
+  EXPECT_EQ(formatted("%.*f %%", 3, 1.0), "1.000 %");
+  EXPECT_EQ(formatted("%s", ""), "");
+}
+
+TEST(Formatted, CutsNothingOff) {
+  const std::string word(5000, 'x');
+  EXPECT_EQ(formatted("<%s>", word.c_str()), "<" + word + ">");
+  EXPECT_EQ(formatted("%.1f", 1e300).size(), 303u);
+}
+
+TEST(Formatted, BecomesASentence) {
+  EXPECT_EQ(asSentence(""), "");
+  EXPECT_EQ(asSentence("not saved: the disk is full"), "Not saved: the disk is full.");
+  EXPECT_EQ(asSentence("Is it so?"), "Is it so?");
+  EXPECT_EQ(asSentence("/tmp/x cannot be read"), "/tmp/x cannot be read.");
+  EXPECT_EQ(asSentence("camera_info stays zero"), "camera_info stays zero.");
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

@@ -1,0 +1,119 @@
+#include "camera_self_calibration/model_choice/lens_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "camera/sample_cameras.h"
+#include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "estimation/sample_segments.h"
+
+namespace camera_self_calibration {
+namespace {
+
+const Camera kPinhole = camera640(CameraModel::kPinhole, {420, 415, 325, 236});
+// As rectified images often keep it.
+const Camera kAlmostPinhole =
+    camera640(CameraModel::kRadtan, {420, 415, 325, 236, -0.03, 0.01, 0, 0});
+const Camera kRadtan = camera640(CameraModel::kRadtan, {400, 404, 315, 243, -0.25, 0.05, 0, 0});
+const Camera kWide = camera640(CameraModel::kFov, {311.2, 309.8, 327.4, 233.1, 0.93});
+
+Camera as(CameraModel model, const Camera& camera) {
+  if (model == camera.model()) return camera;
+  Camera fitted = fitCamera(camera, model)->camera;
+  fitted.setEstimateK3(false);
+  return fitted;
+}
+
+struct Queue {
+  QueueEstimate estimate{1};
+  QueueSolution solution;
+};
+
+// Stretches of a trajectory one after the other, seen through `truth`, scored and solved as
+// `model`.
+Queue queueOf(const Camera& truth, CameraModel model, int count) {
+  Queue queue;
+  const Camera start = as(model, truth);
+  for (int i = 0; i < count; ++i) {
+    SegmentOptions options;
+    options.camera = truth;
+    options.start_s = 1.0 + 5.0 * i;
+    options.tracks.max_features = 60;
+    options.tracks.pixel_sigma = 0.2;
+    Segment segment = makeSegment(options, 3).segment;
+    segment.sequence = i;
+    queue.estimate.add(evaluateCandidate(CandidateOptions(), segment, start));
+  }
+  queue.solution = queue.estimate.solve(start);
+  EXPECT_TRUE(queue.solution.usable);
+  return queue;
+}
+
+LensFitReport fitOf(const Queue& queue) {
+  LensFit fit{LensFitOptions()};
+  EXPECT_TRUE(fit.consider(40, true, queue.estimate.candidates(), queue.solution, {}, 1));
+  EXPECT_TRUE(fit.report().compared);
+  return fit.report();
+}
+
+TEST(LensFit, ATrueModelFits) {
+  for (const Camera& truth : {kPinhole, kRadtan, kWide, as(CameraModel::kEquidistant, kWide)}) {
+    const LensFitReport report = fitOf(queueOf(truth, truth.model(), 4));
+    EXPECT_EQ(report.better, "") << report.sentence();
+    EXPECT_EQ(report.misfit.rms, 0.0);
+    EXPECT_TRUE(report.describesImage());
+    EXPECT_EQ(report.sentence(), "the lens is described by " + toString(truth.model()));
+  }
+}
+
+TEST(LensFit, FindsTheDistortionThatAPinholeLacks) {
+  const Queue queue = queueOf(kAlmostPinhole, CameraModel::kPinhole, 4);
+  const LensFitReport report = fitOf(queue);
+  EXPECT_FALSE(report.better.empty());
+  const PixelError error = pixelDistance(queue.solution.camera, kAlmostPinhole);
+  EXPECT_NEAR(report.misfit.rms, error.rms, 0.3 * error.rms);
+  const PixelError noise = pixelUncertainty(queue.solution.camera, queue.solution.covariance);
+  EXPECT_GT(error.rms, 3.0 * noise.rms);  // what the noise alone states is a lie
+  EXPECT_LT(error.rms, 3.0 * report.total(noise).rms);
+  EXPECT_NE(report.sentence().find("pinhole is "), std::string::npos) << report.sentence();
+  EXPECT_NE(report.sentence().find(report.better + " describes it"), std::string::npos);
+}
+
+TEST(LensFit, FindsAWideLensThatRadtanCannotDescribe) {
+  const LensFitReport report = fitOf(queueOf(kWide, CameraModel::kRadtan, 4));
+  EXPECT_EQ(report.better, "equidistant") << report.sentence();
+  EXPECT_GT(report.misfit.rms, 1.0);
+}
+
+TEST(LensFit, SaysWhereTheImageHasNoRays) {
+  LensFitReport report;
+  report.compared = true;
+  report.model = "radtan";
+  report.better = "equidistant";
+  report.misfit = {15.5, 50.0};
+  report.undescribed = 0.1;
+  EXPECT_EQ(report.sentence(), "radtan has no ray for 10 % of the image: equidistant describes it");
+  EXPECT_NEAR(report.total({1.0, 2.0}).rms, 15.53, 0.01);
+}
+
+TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {
+  const Queue queue = queueOf(kPinhole, CameraModel::kPinhole, 3);
+  const Queue longer = queueOf(kPinhole, CameraModel::kPinhole, 4);
+  const auto consider = [](LensFit* fit, int keyframes, bool due, const Queue& seen) {
+    return fit->consider(keyframes, due, seen.estimate.candidates(), seen.solution, {}, 1);
+  };
+  LensFit fit{LensFitOptions()};
+  EXPECT_EQ(fit.report().sentence(), "");
+  EXPECT_TRUE(consider(&fit, 40, false, queue));
+  EXPECT_FALSE(consider(&fit, 41, false, longer));
+  EXPECT_FALSE(consider(&fit, 60, false, queue));
+  EXPECT_TRUE(consider(&fit, 60, false, longer));
+  // Not called good without a comparison.
+  EXPECT_TRUE(consider(&fit, 61, true, queue));
+  EXPECT_FALSE(consider(&fit, 62, true, queue));
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

@@ -1,0 +1,122 @@
+#include "camera_self_calibration/pipeline/health.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "camera/sample_cameras.h"
+
+namespace camera_self_calibration {
+namespace {
+
+const Camera kCamera = camera640(CameraModel::kFov, {320, 320, 319.5, 239.5, 1.0});
+
+HealthEvidence evidence(int keyframes, bool handed_over, double rms) {
+  HealthEvidence result;
+  result.keyframes = keyframes;
+  result.has_estimate = keyframes >= 4;
+  result.handed_over = handed_over;
+  result.information = IntrinsicsMatrix::Identity(5, 5);
+  result.uncertainty = {rms, 2.0 * rms};
+  result.threshold_px = 1.0;
+  return result;
+}
+
+// fx and fy seen only as their difference.
+IntrinsicsMatrix focalUnobserved() {
+  IntrinsicsMatrix information = IntrinsicsMatrix::Identity(5, 5);
+  information(0, 1) = information(1, 0) = -1.0 + 1e-12;
+  return information;
+}
+
+TEST(Health, WaitsForMotion) {
+  for (const int keyframes : {0, 1}) {
+    const HealthVerdict verdict = judgeHealth(evidence(keyframes, false, INFINITY), kCamera, false);
+    EXPECT_EQ(verdict.state, CalibrationState::kWaitingForMotion);
+    EXPECT_FALSE(verdict.sentence.empty());
+    EXPECT_NE(verdict.hint.find("move"), std::string::npos);
+  }
+}
+
+TEST(Health, InitializesUntilHandover) {
+  HealthEvidence early = evidence(3, false, INFINITY);
+  EXPECT_EQ(judgeHealth(early, kCamera, false).state, CalibrationState::kInitializing);
+  HealthEvidence good = evidence(20, false, 0.3);  // good, but not confirmed by the queue
+  good.obstacle = "the stretches disagree";
+  const HealthVerdict verdict = judgeHealth(good, kCamera, false);
+  EXPECT_EQ(verdict.state, CalibrationState::kInitializing);
+  EXPECT_NE(verdict.sentence.find("0.30 px"), std::string::npos) << verdict.sentence;
+  EXPECT_NE(verdict.sentence.find("the stretches disagree"), std::string::npos);
+  EXPECT_FALSE(verdict.hint.empty());
+}
+
+TEST(Health, ConvergesBelowTheThreshold) {
+  EXPECT_EQ(judgeHealth(evidence(20, true, 1.2), kCamera, false).state,
+            CalibrationState::kConverging);
+  const HealthVerdict verdict = judgeHealth(evidence(20, true, 1.0), kCamera, false);
+  EXPECT_EQ(verdict.state, CalibrationState::kConverged);
+  EXPECT_TRUE(verdict.hint.empty());
+  EXPECT_NE(verdict.sentence.find("1.00 px"), std::string::npos) << verdict.sentence;
+}
+
+TEST(Health, StaysConvergedWithoutNewMotion) {
+  EXPECT_EQ(judgeHealth(evidence(20, true, 1.4), kCamera, true).state,
+            CalibrationState::kConverged);
+  EXPECT_EQ(judgeHealth(evidence(20, true, 1.4), kCamera, false).state,
+            CalibrationState::kConverging);
+}
+
+TEST(Health, IsNotConvergedUnderAModelThatDoesNotFit) {
+  HealthEvidence misfit = evidence(20, true, 1.4);
+  misfit.better_model = "radtan";
+  for (const bool was_converged : {false, true}) {
+    const HealthVerdict verdict = judgeHealth(misfit, kCamera, was_converged);
+    EXPECT_EQ(verdict.state, CalibrationState::kConverging);
+    EXPECT_NE(verdict.sentence.find("does not describe the lens"), std::string::npos);
+    EXPECT_NE(verdict.hint.find("radtan"), std::string::npos) << verdict.hint;
+  }
+  misfit.better_model = "radtan with k3";
+  EXPECT_NE(judgeHealth(misfit, kCamera, false).hint.find("auto"), std::string::npos);
+  misfit.uncertainty = {0.9, 1.8};  // the misfit matters no more than the limit allows
+  EXPECT_EQ(judgeHealth(misfit, kCamera, false).state, CalibrationState::kConverged);
+}
+
+TEST(Health, NamesWhatMotionDoesNotTell) {
+  HealthEvidence weak = evidence(15, false, 5.0);
+  weak.information = focalUnobserved();
+  HealthVerdict verdict = judgeHealth(weak, kCamera, false);
+  EXPECT_EQ(verdict.state, CalibrationState::kDegenerate);
+  EXPECT_NE(verdict.sentence.find("fx, fy"), std::string::npos) << verdict.sentence;
+  EXPECT_FALSE(verdict.hint.empty());
+  // Early on there is nothing to judge yet.
+  weak.keyframes = 6;
+  EXPECT_EQ(judgeHealth(weak, kCamera, false).state, CalibrationState::kInitializing);
+  // Observable in numbers only: errors of a large part of the image.
+  HealthEvidence useless = evidence(15, false, 0.2 * 640);
+  EXPECT_EQ(judgeHealth(useless, kCamera, false).state, CalibrationState::kDegenerate);
+  useless.uncertainty = {INFINITY, INFINITY};
+  EXPECT_EQ(judgeHealth(useless, kCamera, false).state, CalibrationState::kDegenerate);
+}
+
+// Not only once it has given up: every verdict before CONVERGED says what is missing.
+TEST(Health, NamesTheLeastKnownWhileLearning) {
+  for (const bool handed_over : {false, true}) {
+    HealthEvidence learning = evidence(8, handed_over, 5.0);
+    learning.information = focalUnobserved();
+    const HealthVerdict verdict = judgeHealth(learning, kCamera, false);
+    EXPECT_NE(verdict.sentence.find("least known: the focal length"), std::string::npos)
+        << verdict.sentence;
+    EXPECT_NE(verdict.hint.find("several axes"), std::string::npos) << verdict.hint;
+  }
+}
+
+TEST(Health, NamesOfStates) {
+  EXPECT_EQ(toString(CalibrationState::kWaitingForMotion), "WAITING_FOR_MOTION");
+  EXPECT_EQ(toString(CalibrationState::kInitializing), "INITIALIZING");
+  EXPECT_EQ(toString(CalibrationState::kConverging), "CONVERGING");
+  EXPECT_EQ(toString(CalibrationState::kConverged), "CONVERGED");
+  EXPECT_EQ(toString(CalibrationState::kDegenerate), "DEGENERATE");
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

@@ -1,0 +1,146 @@
+#include "camera_self_calibration/queue/agreement.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "camera_self_calibration/estimation/robust.h"
+#include "lens_change/change_samples.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr std::int64_t kEver = 1LL << 62;
+
+struct Filled {
+  QueueEstimate queue{1};
+  QueueSolution solution;
+};
+
+Filled filledQueue(const Camera& lens, int segments, std::uint64_t first_seed) {
+  Filled filled;
+  for (int i = 0; i < segments; ++i) {
+    filled.queue.add(candidateOf(lens, perturbedCamera(lens, 1), first_seed + i));
+  }
+  filled.solution = filled.queue.solve(lens);
+  return filled;
+}
+
+TEST(Agreement, OfTheSameLensIsNoLargerThanChance) {
+  double sum = 0.0;
+  int count = 0;
+  for (const Camera& lens : ordinaryCameras()) {
+    const Filled filled = filledQueue(lens, 3, 100);
+    const auto reference = referenceWithout(kEver, kEver, filled.queue, filled.solution);
+    ASSERT_TRUE(reference);
+    for (std::uint64_t seed = 0; seed < 6; ++seed) {
+      const Candidate candidate = candidateOf(lens, lens, seed);
+      const auto evidence = evidenceAt(reference->camera, candidate.segment, candidate.sigma_scale);
+      ASSERT_TRUE(evidence);
+      const Agreement result = agreement({*evidence}, *reference);
+      EXPECT_GT(result.p_value, 1e-4);
+      sum += result.statistic;
+      count += lens.estimatedCount();
+    }
+  }
+  // At most the degrees of freedom, by four standard deviations; stated covariances are cautious.
+  EXPECT_LT(sum / count, 1.0 + 4.0 * std::sqrt(2.0 / count));
+  EXPECT_GT(sum / count, 0.2);
+}
+
+TEST(Agreement, OfAnotherLensFails) {
+  for (const Camera& lens : ordinaryCameras()) {
+    const Filled filled = filledQueue(lens, 3, 100);
+    const auto reference = referenceWithout(kEver, kEver, filled.queue, filled.solution);
+    ASSERT_TRUE(reference);
+    const Candidate candidate = candidateOf(zoomed(lens, 1.08), lens, 1);
+    const auto evidence = evidenceAt(reference->camera, candidate.segment, candidate.sigma_scale);
+    ASSERT_TRUE(evidence);
+    EXPECT_LT(agreement({*evidence}, *reference).p_value, 1e-6) << toString(lens.model());
+    const Intrinsics between = compromise({*evidence}, *reference);
+    EXPECT_GT(between(0), reference->camera.parameters()(0)) << toString(lens.model());
+  }
+}
+
+TEST(Agreement, ReferenceWithoutASegmentIsTheEstimateOfTheOthers) {
+  for (const Camera& lens : ordinaryCameras()) {
+    Filled all = filledQueue(lens, 4, 100);
+    const Segment& out = all.queue.candidates()[1].segment;
+    const auto reference = referenceWithout(out.beginNs(), out.endNs(), all.queue, all.solution);
+    ASSERT_TRUE(reference);
+    all.queue.remove({out.sequence});
+    const QueueSolution others = all.queue.solve(lens);
+    for (int i = 0; i < lens.estimatedCount(); ++i) {
+      const double sigma = std::sqrt(others.covariance(i, i));
+      EXPECT_NEAR(reference->camera.parameters()(i), others.camera.parameters()(i), 0.15 * sigma)
+          << toString(lens.model()) << " " << i;
+    }
+    EXPECT_EQ(reference->scatter.freedom, others.scatter.freedom);
+    EXPECT_NEAR(reference->scatter.inflation(), others.scatter.inflation(), 0.2);
+    EXPECT_FALSE(referenceWithout(0, kEver, all.queue, all.solution));
+  }
+}
+
+// What entered the queue before it told enough must not hide what it says when it does.
+TEST(Agreement, WhatOverlapsIsNoMeasureOfScatter) {
+  const Camera lens = ordinaryCameras()[1];
+  Filled torn = filledQueue(lens, 3, 100);
+  const Candidate other = candidateOf(zoomed(lens, 1.08), lens, 1);
+  torn.queue.add(other);
+  torn.solution = torn.queue.solve(lens);
+  ASSERT_GT(torn.solution.scatter.inflation(), 3.0);
+  const Segment& segment = other.segment;
+  const auto reference =
+      referenceWithout(segment.beginNs(), segment.endNs(), torn.queue, torn.solution);
+  ASSERT_TRUE(reference);
+  EXPECT_LT(reference->scatter.inflation(), 1.7);
+  const auto evidence = evidenceAt(reference->camera, segment, other.sigma_scale);
+  ASSERT_TRUE(evidence);
+  EXPECT_LT(agreement({*evidence}, *reference).p_value, 1e-6);
+}
+
+TEST(Agreement, ScatterByChanceIsNoVariance) {
+  EXPECT_EQ(Scatter().inflation(), 1.0);
+  EXPECT_EQ(Scatter().inflationFreedom(), 0);
+  const Scatter chance{18.0, 10}, more{90.0, 10};  // 18.3: one in twenty
+  EXPECT_NEAR(chance.inflation(), std::sqrt(1.8), 1e-12);
+  EXPECT_EQ(chance.inflationFreedom(), 0);
+  EXPECT_NEAR(more.inflation(), 3.0, 1e-12);
+  EXPECT_EQ(more.inflationFreedom(), 10);
+}
+
+// A direction that the stretch does not determine says nothing, however far its estimate is.
+TEST(Agreement, UndeterminedDirectionsDoNotCount) {
+  const Camera lens = ordinaryCameras()[0];
+  Evidence evidence;
+  evidence.point = lens.parameters();
+  evidence.gradient = Intrinsics::Zero(4);
+  evidence.information = IntrinsicsMatrix::Zero(4, 4);
+  evidence.information(0, 0) = 4.0;
+  evidence.gradient(0) = 4.0 * 1.0;  // fx one pixel larger, sigma 1/2
+  const Reference reference{lens, IntrinsicsMatrix::Identity(4, 4) * 4.0, Scatter()};
+  EXPECT_NEAR(agreement({evidence}, reference).statistic, 1.0 / (0.25 + 0.25), 1e-9);
+  EXPECT_NEAR(compromise({evidence}, reference)(0), lens.parameters()(0) + 0.5, 1e-9);
+}
+
+// Two stretches that scatter by more than chance tell their variance but roughly.
+TEST(Agreement, ScatterOfTwoStretchesHidesNoLargeChange) {
+  const Camera lens = ordinaryCameras()[0];
+  const Reference reference{lens, IntrinsicsMatrix::Identity(4, 4), Scatter{20.0, 4}};
+  EXPECT_GT(fExceedance(60.0, 4, 4), 1e-4);
+  EXPECT_LT(pValue(4.0 * 60.0, reference), 1e-6);
+  EXPECT_GT(pValue(4.0 * 2.0, reference), 0.03);
+}
+
+TEST(Agreement, FDistribution) {
+  EXPECT_NEAR(fExceedance(4.387, 3, 8), 0.0419, 2e-4);
+  EXPECT_NEAR(fExceedance(3.3258, 5, 10), 0.05, 1e-4);  // tables
+  EXPECT_NEAR(fExceedance(10.4807, 5, 10), 0.001, 2e-6);
+  // The square of a t variable, and the limit of many degrees of freedom.
+  EXPECT_NEAR(fExceedance(12.706 * 12.706, 1, 1), 0.05, 1e-5);
+  EXPECT_NEAR(fExceedance(6.0, 5, 1000000) / chiSquareExceedance(30.0, 5), 1.0, 1e-3);
+  EXPECT_EQ(fExceedance(0.0, 5, 5), 1.0);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration

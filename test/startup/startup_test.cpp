@@ -1,0 +1,336 @@
+#include "camera_self_calibration/startup/startup.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <memory>
+
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/queue/segment_fit.h"
+#include "camera_self_calibration/startup/growth.h"
+#include "estimation/sample_segments.h"
+#include "lens_change/change_samples.h"
+#include "sanitized.h"
+
+namespace camera_self_calibration {
+namespace {
+
+SimulatedSegment longSegment(const Camera& camera, MotionKind motion, std::uint64_t seed,
+                             int keyframes = 16) {
+  SegmentOptions options;
+  options.camera = camera;
+  options.motion = motion;
+  options.keyframes = keyframes;
+  options.tracks.max_features = 80;
+  options.tracks.pixel_sigma = 0.25;
+  options.tracks.outlier_share = 0.01;
+  return makeSegment(options, seed);
+}
+
+// As a front end hands over its history that knows nothing but the default guess.
+Segment forgotten(Segment segment, const Camera& guess) {
+  for (Keyframe& keyframe : segment.keyframes) keyframe.world_from_camera = Rigid3();
+  std::vector<char> seen(segment.landmarks.size(), 0);
+  for (const Observation& o : segment.observations) {
+    if (seen[o.landmark]++ != 0 || segment.landmarks[o.landmark].anchored) continue;
+    segment.landmarks[o.landmark].bearing =
+        guess.unproject(o.pixel).value_or(Eigen::Vector3d::UnitZ());
+  }
+  for (Landmark& landmark : segment.landmarks) landmark.inverse_depth = 1.0;
+  return segment;
+}
+
+// Keyframe by keyframe, but for those in `dropped`.
+Startup grown(const SimulatedSegment& made, const std::vector<int>& dropped = {}) {
+  const Camera guess = Camera::defaultGuess(made.camera.model(), 640, 480);
+  const Segment history = forgotten(made.segment, guess);
+  Startup startup(StartupOptions(), guess);
+  for (int k = 2; k <= static_cast<int>(history.keyframes.size()); ++k) {
+    if (std::count(dropped.begin(), dropped.end(), k) > 0) continue;
+    std::vector<int> index;
+    startup.add(prefixOf(history, k, 1, &index));
+  }
+  return startup;
+}
+
+bool isRight(const Startup& startup, const Camera& truth) {
+  const auto covariance = covarianceFromInformation(startup.information());
+  if (!startup.usable() || !covariance) return false;
+  if (startup.camera().parameterCount() != truth.parameterCount()) return false;
+  const Eigen::VectorXd error = startup.camera().parameters() - truth.parameters();
+  // Chi-square with up to 9 degrees, 1 in 10000 or fewer.
+  return error.dot(covariance->ldlt().solve(error)) < 34.0;
+}
+
+TEST(Startup, ReachesTheTruthFromTheDefaultGuess) {
+  for (const Camera& truth : ordinaryCameras()) {
+    int right = 0;
+    constexpr int kTrials = kSanitized ? 2 : 10;
+    for (std::uint64_t seed = 0; seed < kTrials; ++seed) {
+      right += isRight(grown(longSegment(truth, MotionKind::kHandheld, seed)), truth);
+    }
+    std::cout << toString(truth.model()) << ": " << right << " of " << kTrials << " right\n";
+    EXPECT_GE(right, kTrials - 1) << toString(truth.model());
+  }
+}
+
+TEST(Startup, SolvesPosesAndDepthsToo) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment made = longSegment(truth, MotionKind::kHandheld, 3);
+  const Startup startup = grown(made);
+  ASSERT_TRUE(isRight(startup, truth));
+  EXPECT_NEAR(startup.residualScale(), 1.0, 0.15);
+  // Up to the scale.
+  const auto& solved = startup.segment().keyframes;
+  const auto& right = made.segment.keyframes;
+  ASSERT_EQ(solved.size(), right.size());
+  const auto from_first = [](const std::vector<Keyframe>& keyframes, std::size_t k) {
+    return keyframes.front().world_from_camera.inverse() * keyframes[k].world_from_camera;
+  };
+  const std::size_t last = right.size() - 1;
+  const double scale =
+      from_first(right, last).translation.norm() / from_first(solved, last).translation.norm();
+  for (std::size_t k = 1; k <= last; ++k) {
+    const Rigid3 a = from_first(solved, k), b = from_first(right, k);
+    EXPECT_LT((scale * a.translation - b.translation).norm(), 0.05) << k;
+    EXPECT_LT(a.rotation.angularDistance(b.rotation), 0.03) << k;
+  }
+}
+
+// The uncertainty stays far above what would be handed over (2 px at this width).
+TEST(Startup, WaitsWhereMotionDoesNotInform) {
+  for (const MotionKind motion : {MotionKind::kForwardOnly, MotionKind::kSidewaysOnly}) {
+    for (std::uint64_t seed = 0; seed < (kSanitized ? 1 : 4); ++seed) {
+      const Camera truth = ordinaryCameras()[seed % 4];
+      const Startup startup = grown(longSegment(truth, motion, seed, 14));
+      if (!startup.usable()) continue;
+      const auto covariance = covarianceFromInformation(startup.information());
+      if (!covariance) continue;
+      EXPECT_GT(pixelUncertainty(startup.camera(), *covariance).rms, 8.0)
+          << toString(motion) << " " << toString(truth.model());
+    }
+  }
+}
+
+// Motion that tells nothing, longer than the batch is: it stays full, and the intrinsics stay sane.
+TEST(Startup, WaitsAtConstantSizeWithoutRunningAway) {
+  const SimulatedSegment made =
+      longSegment(ordinaryCameras()[0], MotionKind::kForwardOnly, 2, kSanitized ? 14 : 24);
+  const Camera guess = Camera::defaultGuess(made.camera.model(), 640, 480);
+  const Segment history = forgotten(made.segment, guess);
+  StartupOptions options;
+  options.max_keyframes = 12;
+  options.choice.keep_newest = 6;
+  Startup startup(options, guess);
+  for (int k = 2; k <= static_cast<int>(history.keyframes.size()); ++k) {
+    std::vector<int> index;
+    startup.add(prefixOf(history, k, 1, &index));
+    EXPECT_EQ(startup.segment().keyframes.size(), std::min(k, 12));
+    EXPECT_EQ(startup.segment().keyframes.back().id, history.keyframes[k - 1].id);
+    EXPECT_FALSE(startup.tellsLens()) << k;
+    EXPECT_GT(startup.camera().parameters()(0), 80.0) << k;
+    EXPECT_LT(startup.camera().parameters()(0), 1600.0) << k;
+  }
+}
+
+// Half of the keyframes of a slow motion left out: the rest tell more than as many newest ones.
+TEST(Startup, RemembersWhatToldTheLens) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment made = longSegment(truth, MotionKind::kHandheld, 3, 24);
+  const Camera guess = Camera::defaultGuess(truth.model(), 640, 480);
+  const Segment history = forgotten(made.segment, guess);
+  StartupOptions options;
+  options.max_keyframes = 12;
+  options.choice.keep_newest = 6;
+  Startup chosen(options, guess), newest(options, guess);
+  for (int k = 2; k <= 24; ++k) {
+    std::vector<int> index;
+    chosen.add(prefixOf(history, k, 1, &index));
+  }
+  Segment last = history;
+  while (last.keyframes.size() > 12) last = withoutKeyframe(last, 0);
+  newest.add(last);
+  EXPECT_TRUE(isRight(chosen, truth));
+  EXPECT_EQ(chosen.segment().keyframes.size(), 12u);
+  EXPECT_LT(chosen.wholeImageUncertainty().rms, 0.8 * newest.wholeImageUncertainty().rms);
+}
+
+TEST(GrowByKeyframe, BearsWhatCannotBePredicted) {
+  const SimulatedSegment made = longSegment(ordinaryCameras()[0], MotionKind::kHandheld, 3, 6);
+  Segment segment = made.segment;
+  segment.keyframes[2].world_from_camera.rotation = Eigen::Quaterniond(0.0, 0.0, 1.0, 0.0);
+  Camera camera = made.camera;
+  const double cost = growByKeyframe(GrowthOptions(), 3, &segment, &camera);
+  EXPECT_TRUE(std::isfinite(cost));
+  EXPECT_TRUE(camera.valid());
+  for (const Keyframe& keyframe : segment.keyframes) {
+    EXPECT_TRUE(keyframe.world_from_camera.translation.allFinite());
+  }
+}
+
+// With two threads the newest keyframe may find the batch busy, and is left out.
+TEST(Startup, BearsKeyframesThatItNeverSees) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment made = longSegment(truth, MotionKind::kHandheld, 3);
+  const Startup startup = grown(made, {6, 9, 10, 14});
+  EXPECT_TRUE(isRight(startup, truth));
+  EXPECT_EQ(startup.segment().keyframes.size(), made.segment.keyframes.size());
+}
+
+// All tracks end before keyframe `k`; those that go on there are others.
+Segment splitAt(Segment segment, int k) {
+  const auto tracks = static_cast<int>(segment.landmarks.size());
+  std::vector<int> rest(segment.landmarks.size(), -1);
+  for (Observation& observation : segment.observations) {
+    if (observation.keyframe < k || segment.landmarks[observation.landmark].reference >= k)
+      continue;
+    int& other = rest[observation.landmark];
+    if (other < 0) {
+      other = static_cast<int>(segment.landmarks.size());
+      Landmark landmark;
+      landmark.track_id = 100000 + observation.landmark;
+      landmark.reference = observation.keyframe;
+      landmark.anchored = false;
+      segment.landmarks.push_back(landmark);
+    }
+    observation.landmark = other;
+  }
+  EXPECT_GT(static_cast<int>(segment.landmarks.size()), tracks);
+  return segment;
+}
+
+TEST(Startup, LeavesOutWhatNoTrackConnects) {
+  SimulatedSegment made = longSegment(ordinaryCameras()[1], MotionKind::kHandheld, 3, 24);
+  constexpr int kSplit = 9;
+  made.segment = splitAt(made.segment, kSplit);
+  const Startup startup = grown(made);
+  ASSERT_EQ(startup.segment().keyframes.size(), made.segment.keyframes.size() - kSplit);
+  EXPECT_EQ(startup.segment().keyframes.front().id, made.segment.keyframes[kSplit].id);
+  EXPECT_EQ(startup.keyframesAdded(), static_cast<int>(made.segment.keyframes.size()));
+  EXPECT_TRUE(isRight(startup, made.camera));
+}
+
+// Pixels without any sense: nothing grows without end.
+TEST(Startup, DoesNotRunAway) {
+  for (const Camera& lens : ordinaryCameras()) {
+    SimulatedSegment made = longSegment(lens, MotionKind::kForwardOnly, 5, kSanitized ? 8 : 24);
+    Random random(7);
+    for (Observation& observation : made.segment.observations) {
+      observation.pixel = {random.uniform(0.0, 639.0), random.uniform(0.0, 479.0)};
+    }
+    const Startup startup = grown(made);
+    EXPECT_FALSE(startup.usable() && ranAway(startup.camera())) << toString(lens.model());
+    EXPECT_FALSE(startup.tellsLens()) << toString(lens.model());
+    for (const Keyframe& keyframe : startup.segment().keyframes) {
+      EXPECT_TRUE(keyframe.world_from_camera.translation.allFinite()) << toString(lens.model());
+    }
+  }
+}
+
+// A lens whose distortion needs the third radial coefficient gets it, one that does not does not.
+TEST(Startup, AddsK3WhenObservationsDemandIt) {
+  const Camera needs =
+      camera640(CameraModel::kRadtan, {350, 351, 318, 243, -0.33, 0.166, -7e-4, -1.3e-3, -0.0545});
+  int right = 0;
+  constexpr int kTrials = kSanitized ? 1 : 5;
+  for (std::uint64_t seed = 0; seed < kTrials; ++seed) {
+    const Startup startup = grown(longSegment(needs, MotionKind::kHandheld, seed));
+    EXPECT_EQ(startup.camera().estimatedCount(), 9) << seed;
+    EXPECT_EQ(startup.information().rows(), startup.camera().estimatedCount());
+    right += isRight(startup, needs);
+    const Camera without = ordinaryCameras()[2];
+    EXPECT_EQ(grown(longSegment(without, MotionKind::kHandheld, seed)).camera().estimatedCount(), 8)
+        << seed;
+  }
+  EXPECT_GE(right, kTrials - 1);
+}
+
+// As after an alarm: from the keyframes before the change, whose lens was known to 0.4 %, comes an
+// estimate of the new one that is no better.
+TEST(Startup, AnEarlierLensLendsWhatWasKnownOfIt) {
+  const Camera before = ordinaryCameras()[1], after = zoomed(before, 1.1);
+  const int count = before.estimatedCount();
+  IntrinsicsMatrix doubt = IntrinsicsMatrix::Identity(count, count) * 1e-8;
+  doubt.topLeftCorner<2, 2>().setConstant(std::pow(0.004 * before.parameters()(0), 2));
+  doubt.topLeftCorner<2, 2>() += Eigen::Matrix2d::Identity() * 1e-2;
+  int trusting_right = 0;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    const SimulatedSegment made = longSegment(before, MotionKind::kHandheld, seed, 24);
+    Segment history = withChange(made.segment, before, after, 6);
+    history.earlier_camera = std::make_shared<const Camera>(zoomed(before, 1.004));
+    history.earlier_keyframes = 6;
+    std::vector<int> index;
+    Segment solved = prefixOf(history, 9, 1, &index);
+    Camera camera = before;
+    const SegmentFit fit = fitSegment(SegmentFitOptions(), &solved, &camera);
+    ASSERT_TRUE(fit.usable);
+    Startup startup(StartupOptions(), before), trusting = startup;
+    startup.resume(camera, fit.marginal.information, solved, doubt);
+    trusting.resume(camera, fit.marginal.information, solved, IntrinsicsMatrix());
+    trusting.add(prefixOf(history, 10, 1, &index));
+    trusting_right += isRight(trusting, after);
+    for (int k = 10; k <= 24; ++k) {
+      startup.add(prefixOf(history, k, 1, &index));
+      EXPECT_TRUE(isRight(startup, after)) << seed << " after keyframe " << k;
+    }
+    EXPECT_EQ(startup.segment().earlier_keyframes, 6) << seed;
+  }
+  EXPECT_LT(trusting_right, 3);
+}
+
+TEST(Startup, ResetForgets) {
+  const Camera truth = ordinaryCameras()[1];
+  Startup startup = grown(longSegment(truth, MotionKind::kHandheld, 3));
+  ASSERT_TRUE(startup.usable());
+  startup.reset(truth);
+  EXPECT_FALSE(startup.usable());
+  EXPECT_EQ(startup.camera().parameters(), truth.parameters());
+  EXPECT_TRUE(startup.segment().keyframes.empty());
+}
+
+TEST(Startup, BearsSegmentsWithoutContent) {
+  const Camera guess = Camera::defaultGuess(CameraModel::kFov, 640, 480);
+  Startup startup(StartupOptions(), guess);
+  Segment segment;
+  startup.add(segment);
+  for (int k = 0; k < 12; ++k) {
+    Keyframe keyframe;
+    keyframe.id = k;
+    segment.keyframes.push_back(keyframe);
+    startup.add(segment);
+    EXPECT_FALSE(startup.usable());
+  }
+  EXPECT_TRUE(startup.camera().valid());
+}
+
+TEST(PrefixOf, IsWhatTheFirstKeyframesSaw) {
+  const SimulatedSegment made = longSegment(ordinaryCameras()[1], MotionKind::kHandheld, 1);
+  std::vector<int> index;
+  const Segment prefix = prefixOf(made.segment, 5, 2, &index);
+  EXPECT_EQ(prefix.keyframes.size(), 5u);
+  ASSERT_EQ(index.size(), prefix.landmarks.size());
+  std::vector<int> views(prefix.landmarks.size(), 0);
+  for (const Observation& o : prefix.observations) {
+    EXPECT_LT(o.keyframe, 5);
+    ++views[o.landmark];
+  }
+  for (std::size_t l = 0; l < prefix.landmarks.size(); ++l) {
+    EXPECT_GE(views[l], prefix.landmarks[l].anchored ? 2 : 3);
+    EXPECT_EQ(prefix.landmarks[l].track_id, made.segment.landmarks[index[l]].track_id);
+  }
+  Segment changed = prefix;
+  changed.keyframes[2].world_from_camera.translation.x() = 7.0;
+  changed.landmarks[0].inverse_depth = 0.123;
+  Segment whole = made.segment;
+  adoptPrefix(changed, index, &whole);
+  EXPECT_EQ(whole.keyframes[2].world_from_camera.translation.x(), 7.0);
+  EXPECT_EQ(whole.landmarks[index[0]].inverse_depth, 0.123);
+  EXPECT_EQ(whole.keyframes.size(), made.segment.keyframes.size());
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
