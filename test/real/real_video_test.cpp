@@ -1,0 +1,190 @@
+// Real and rendered video of known calibration: how far the estimate is from the truth, and whether
+// what is said of it is true. The bags are sought in the folder that the environment variable
+// SELFCAL_VIDEOS names, else in ../shared/data beside the repository; without them there is no
+// test.
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/pipeline/self_calibrator.h"
+#include "camera_self_calibration/tools/image_source.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// A lens as others calibrated it.
+struct Truth {
+  Camera camera;
+  double radius_px = 1e9;  // around the principal point, where the calibration was observed
+  double doubt_px = 0.0;   // of the truth itself, 1 sigma
+};
+
+enum class Expected {
+  kConverged,
+  kHonest,        // whatever is said is true
+  kNotConverged,  // the model cannot describe the lens, or the motion tells nothing
+};
+
+struct Sequence {
+  const char* bag;
+  const char* topic;
+  std::optional<Truth> truth;
+  const char* model;  // or auto
+  Expected expected;
+  double largest_error_px = 1e9;  // within the radius, where CONVERGED
+};
+
+Camera lens(CameraModel model, int width, int height, const std::vector<double>& values) {
+  const Eigen::Map<const Eigen::VectorXd> parameters(values.data(),
+                                                     static_cast<Eigen::Index>(values.size()));
+  return Camera(model, width, height, parameters);
+}
+
+std::vector<Sequence> sequences() {
+  const Truth room{lens(CameraModel::kFov, 640, 480, {311.2, 309.8, 327.4, 233.1, 0.93})};
+  const Truth board{
+      lens(CameraModel::kRadtan, 752, 480,
+           {421.52, 421.55, 353.95, 251.81, -0.33039, 0.16623, -0.00066, -0.00131, -0.05446}),
+      250.0, 0.1};
+  // Their boards were filmed on another occasion: temperature moves a focal length by some 0.1 %.
+  const Truth left{
+      lens(CameraModel::kEquidistant, 752, 480,
+           {461.083, 459.693, 365.850, 249.869, -0.006311, 0.039649, -0.064883, 0.039131}),
+      330.0, 0.35};
+  const Truth right{
+      lens(CameraModel::kEquidistant, 752, 480,
+           {459.706, 458.352, 379.414, 255.639, 0.005407, -0.002780, 0.001718, 0.001554}),
+      330.0, 0.35};
+  const Truth kinect{lens(CameraModel::kRadtan, 640, 480,
+                          {517.306408, 516.469215, 318.643040, 255.313989, 0.262383, -0.953104,
+                           -0.005358, 0.002628, 1.163314}),
+                     300.0, 0.5};
+  const Truth car{lens(CameraModel::kPinhole, 1242, 375, {721.5377, 721.5377, 609.5593, 172.854}),
+                  1e9, 0.7};
+  const Truth endoscope{lens(CameraModel::kFov, 720, 576, {401.96, 401.96, 340, 277, 1.128}), 300.0,
+                        4.0};
+  const Truth office{lens(CameraModel::kPinhole, 640, 480, {618.5, 618.5, 319.5, 239.5}), 1e9, 1.0};
+  const char* const cam0 = "/cam0/image_raw/compressed";
+  const char* const cam1 = "/cam1/image_raw/compressed";
+  return {{"room_fov", "", room, "fov", Expected::kConverged, 0.05},
+          {"room_fov", "", room, "auto", Expected::kConverged, 0.1},
+          {"room_fov", "", room, "pinhole", Expected::kNotConverged},
+          {"room_fov", "", room, "radtan", Expected::kNotConverged},
+          {"mav_board", "", board, "radtan", Expected::kHonest, 2.0},
+          {"mav_board", "", board, "auto", Expected::kHonest, 2.0},
+          {"mh01_stereo", cam0, left, "equidistant", Expected::kConverged, 1.2},
+          {"mh01_stereo", cam0, left, "radtan", Expected::kHonest, 1.5},
+          {"mh01_stereo", cam0, left, "auto", Expected::kHonest, 1.5},
+          {"mh01_stereo", cam1, right, "equidistant", Expected::kConverged, 1.2},
+          {"fr1_rpy_begin", "", kinect, "radtan", Expected::kHonest},
+          {"fr1_rpy_begin", "", kinect, "pinhole", Expected::kHonest},
+          {"kitti03_begin", "", car, "radtan", Expected::kHonest, 6.0},
+          {"kitti03_begin", "", car, "auto", Expected::kHonest, 6.0},
+          {"endoscope_office", "", endoscope, "fov", Expected::kHonest},
+          {"tsukuba", "", office, "pinhole", Expected::kConverged, 4.0},
+          {"tsukuba", "", office, "auto", Expected::kHonest, 4.0},
+          {"phone_sideways", "", std::nullopt, "pinhole", Expected::kNotConverged},
+          {"euroc_static", "", std::nullopt, "radtan", Expected::kNotConverged}};
+}
+
+std::filesystem::path videoFolder() {
+  const char* const named = std::getenv("SELFCAL_VIDEOS");
+  return named != nullptr ? named : SELFCAL_VIDEO_FOLDER;
+}
+
+struct Outcome {
+  CalibrationReport report;
+  double error_px = std::nan("");
+  double images_per_second = 0.0;
+};
+
+Outcome calibrate(const std::filesystem::path& bag, const Sequence& sequence) {
+  SourceOptions source_options;
+  source_options.path = bag.string();
+  source_options.topic = sequence.topic;
+  ImageSource source = openImages(source_options);
+  Options options;
+  const std::optional<CameraModel> model = cameraModelFromString(sequence.model);
+  options.choose_model = !model;
+  if (model) options.model = *model;
+  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, {});
+  int images = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  while (const auto image = source.next()) {
+    if (!image->view) continue;
+    calibrator.process(*image->view);
+    ++images;
+  }
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+  Outcome outcome;
+  outcome.report = calibrator.calibration();
+  outcome.images_per_second = images / seconds.count();
+  if (sequence.truth) {
+    const Truth& truth = *sequence.truth;
+    outcome.error_px = pixelDistance(truth.camera, outcome.report.camera, truth.radius_px).rms;
+  }
+  return outcome;
+}
+
+void print(const Sequence& sequence, const Outcome& outcome) {
+  const CalibrationReport& report = outcome.report;
+  std::printf("%-18s %-5s %-12s %-12s %-19s %9.3f %9.3f %7.1f\n", sequence.bag,
+              std::string(sequence.topic).substr(0, 5).c_str(), sequence.model,
+              toString(report.camera.model()).c_str(), toString(report.state).c_str(),
+              outcome.error_px, report.uncertainty.rms, outcome.images_per_second);
+}
+
+void judge(const Sequence& sequence, const Outcome& outcome) {
+  const CalibrationReport& report = outcome.report;
+  const bool converged = report.state == CalibrationState::kConverged;
+  SCOPED_TRACE(std::string(sequence.bag) + " " + sequence.topic + " " + sequence.model + ": " +
+               report.sentence);
+  if (sequence.expected == Expected::kConverged) EXPECT_TRUE(converged);
+  if (sequence.expected == Expected::kNotConverged) EXPECT_FALSE(converged);
+  if (!converged || !sequence.truth) return;
+  EXPECT_LE(outcome.error_px, sequence.largest_error_px);
+  EXPECT_LE(outcome.error_px, 3.0 * std::hypot(report.uncertainty.rms, sequence.truth->doubt_px));
+}
+
+TEST(RealVideo, WhatIsSaidIsTrue) {
+  std::vector<Sequence> found;
+  for (const Sequence& sequence : sequences()) {
+    if (std::filesystem::exists(videoFolder() / (std::string(sequence.bag) + ".bag"))) {
+      found.push_back(sequence);
+    }
+  }
+  if (found.empty()) {
+    GTEST_SKIP() << "there is no video of known calibration in " << videoFolder()
+                 << "; SELFCAL_VIDEOS may name another folder";
+  }
+  std::vector<Outcome> outcomes(found.size());
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < found.size(); i = next++) {
+      outcomes[i] = calibrate(videoFolder() / (std::string(found[i].bag) + ".bag"), found[i]);
+    }
+  };
+  std::thread other(work);
+  work();
+  other.join();
+  std::printf("%-18s %-5s %-12s %-12s %-19s %9s %9s %7s\n", "bag", "", "model", "estimated",
+              "state", "error px", "stated px", "Hz");
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    print(found[i], outcomes[i]);
+    judge(found[i], outcomes[i]);
+  }
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
