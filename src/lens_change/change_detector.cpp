@@ -41,7 +41,7 @@ int keyframesBefore(const Segment& window, std::int64_t onset_ns) {
   return count;
 }
 
-double usualResidualScale(const QueueEstimate& queue) {
+double usualResidualScale(const SegmentQueue& queue) {
   std::vector<double> scales;
   for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.residual_scale);
   return std::max(1.0, median(std::move(scales), 1.0));
@@ -72,31 +72,29 @@ void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
 }
 
 ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& candidate,
-                                      std::int64_t suspected_onset_ns, const QueueEstimate& queue,
-                                      const QueueSolution& solution) {
-  ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue, solution);
+                                      std::int64_t suspected_onset_ns, const SegmentQueue& queue) {
+  ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue);
   const bool by_window = verdict.kind == Kind::kChange && verdict.recent.empty();
   if (verdict.kind != Kind::kChange) {
-    ChangeVerdict step = examineStep(queue, solution);
+    ChangeVerdict step = examineStep(queue);
     if (step.kind == Kind::kChange) verdict = std::move(step);
   }
   in_doubt_ = verdict.kind != Kind::kSame;
-  if (by_window) return confirmed(std::move(verdict), solution.camera);
+  if (by_window) return confirmed(std::move(verdict), queue.solution().camera);
   findings_ = 0;
   return verdict;
 }
 
 std::optional<double> ChangeDetector::clearlySame(const CandidateOutlook& outlook,
                                                   std::int64_t suspected_onset_ns,
-                                                  const QueueEstimate& queue,
-                                                  const QueueSolution& solution) {
+                                                  const SegmentQueue& queue) {
   measureInterval(outlook.evidence.end_ns);
   if (suspected_onset_ns > 0 || in_doubt_ || isNewStretch(outlook.evidence.begin_ns) ||
       !fitsAsUsual(outlook.sigma_scale, queue)) {
     return std::nullopt;
   }
   const auto reference =
-      referenceWithout(outlook.evidence.begin_ns, outlook.evidence.end_ns, queue, solution);
+      referenceWithout(outlook.evidence.begin_ns, outlook.evidence.end_ns, queue);
   if (!reference) return std::nullopt;
   const double p_value = agreement({outlook.evidence}, *reference).p_value;
   if (!(p_value > kClearlySame)) return std::nullopt;
@@ -130,16 +128,15 @@ ChangeVerdict ChangeDetector::confirmed(ChangeVerdict verdict, const Camera& bef
 
 ChangeVerdict ChangeDetector::examineKeyframe(const Segment& window, const Candidate& candidate,
                                               std::int64_t suspected_onset_ns,
-                                              const QueueEstimate& queue,
-                                              const QueueSolution& solution) {
+                                              const SegmentQueue& queue) {
   measureInterval(window.endNs());
   usual_residual_scale_ = usualResidualScale(queue);
   ChangeVerdict verdict;
-  const auto reference = referenceWithout(window.beginNs(), window.endNs(), queue, solution);
+  const auto reference = referenceWithout(window.beginNs(), window.endNs(), queue);
   if (!reference || window.keyframes.empty()) return verdict;
   const int earlier = keyframesBefore(window, suspected_onset_ns);
   if (suspected_onset_ns > 0 && earlier > 0) return examineSuspicion(window, earlier, *reference);
-  return examineCandidate(window, candidate, *reference, queue, solution);
+  return examineCandidate(window, candidate, *reference, queue);
 }
 
 ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlier_keyframes,
@@ -159,8 +156,7 @@ ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlie
 
 ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Candidate& candidate,
                                                const Reference& reference,
-                                               const QueueEstimate& queue,
-                                               const QueueSolution& solution) {
+                                               const SegmentQueue& queue) {
   ChangeVerdict verdict;
   if (candidate.information.size() == 0) return verdict;
   if (candidate.residual_scale > kMaxMisfit * usual_residual_scale_) {
@@ -189,7 +185,7 @@ ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Cand
   }
   remember(candidate, *evidence);
   if (recent_.back().candidate.segment.sequence == candidate.segment.sequence) {
-    const ChangeVerdict pooled = examineRecent(queue, solution);
+    const ChangeVerdict pooled = examineRecent(queue);
     if (pooled.kind != Kind::kSame) return pooled;
   }
   if (verdict.kind == Kind::kSame && contradicts) {

@@ -14,7 +14,7 @@ constexpr double kDifferent = 0.05;  // p-value
 }  // namespace
 
 void SettingArchive::store(Setting setting) {
-  if (!setting.solution.usable) return;
+  if (!setting.queue.solution().usable) return;
   settings_.push_back(std::move(setting));
   if (settings_.size() > kMaxSettings) settings_.pop_front();
 }
@@ -29,7 +29,7 @@ std::optional<Setting> SettingArchive::recall(const Camera& camera,
   auto nearest = settings_.end();
   double least = max_distance_px;
   for (auto setting = settings_.begin(); setting != settings_.end(); ++setting) {
-    const QueueSolution& solution = setting->solution;
+    const QueueSolution& solution = setting->queue.solution();
     if (solution.camera.model() != camera.model() ||
         solution.information.rows() != information.rows()) {
       continue;

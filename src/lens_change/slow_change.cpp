@@ -20,7 +20,7 @@ constexpr std::size_t kPools[] = {2, 4, 8};
 constexpr std::size_t kFollowed = 3;  // newest stretches that replace what a drift made stale
 
 // Segments that disagree with what the lens has become at `p_value` or below.
-std::vector<std::int64_t> staleSegments(const ChangeCourse& course, const QueueEstimate& queue,
+std::vector<std::int64_t> staleSegments(const ChangeCourse& course, const SegmentQueue& queue,
                                         double p_value) {
   const Reference now{course.camera, course.information, Scatter()};
   std::vector<std::int64_t> stale;
@@ -45,7 +45,7 @@ void ChangeDetector::remember(const Candidate& candidate, const Evidence& eviden
   if (recent_.size() > kStretches) recent_.pop_front();
 }
 
-std::vector<Evidence> ChangeDetector::stretchesBeside(const QueueEstimate& queue) const {
+std::vector<Evidence> ChangeDetector::stretchesBeside(const SegmentQueue& queue) const {
   std::vector<Evidence> beside;
   for (const Stretch& stretch : recent_) {
     const Evidence& evidence = stretch.evidence;
@@ -64,14 +64,13 @@ std::vector<Evidence> ChangeDetector::stretchesBeside(const QueueEstimate& queue
 }
 
 // Those of the queue and those beside it.
-std::vector<Evidence> ChangeDetector::allStretches(const QueueEstimate& queue) const {
+std::vector<Evidence> ChangeDetector::allStretches(const SegmentQueue& queue) const {
   std::vector<Evidence> stretches = stretchesBeside(queue);
   for (const Candidate& candidate : queue.candidates()) stretches.push_back(ownEvidence(candidate));
   return stretches;
 }
 
-ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
-                                            const QueueSolution& solution) const {
+ChangeVerdict ChangeDetector::examineRecent(const SegmentQueue& queue) const {
   ChangeVerdict doubt;
   for (const std::size_t count : kPools) {
     if (recent_.size() < count) break;
@@ -79,11 +78,10 @@ ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
     for (std::size_t i = recent_.size() - count; i < recent_.size(); ++i) {
       pool.push_back(recent_[i].evidence);
     }
-    const auto reference =
-        referenceWithout(pool.front().begin_ns, pool.back().end_ns, queue, solution);
+    const auto reference = referenceWithout(pool.front().begin_ns, pool.back().end_ns, queue);
     if (!reference) break;
     const double p_value = agreement(pool, *reference).p_value;
-    if (p_value < limit()) return explain(*reference, p_value, queue, solution);
+    if (p_value < limit()) return explain(*reference, p_value, queue);
     if (p_value < kDoubt && doubt.kind == Kind::kSame) {
       doubt.kind = Kind::kDoubt;
       doubt.p_value = p_value;
@@ -93,10 +91,10 @@ ChangeVerdict ChangeDetector::examineRecent(const QueueEstimate& queue,
   return doubt;
 }
 
-ChangeVerdict ChangeDetector::examineStep(const QueueEstimate& queue,
-                                          const QueueSolution& solution) const {
+ChangeVerdict ChangeDetector::examineStep(const SegmentQueue& queue) const {
   ChangeVerdict verdict;
-  const auto step = estimateStep(allStretches(queue), solution.camera, last_stamp_ns_, limit());
+  const auto step =
+      estimateStep(allStretches(queue), queue.solution().camera, last_stamp_ns_, limit());
   if (!step || recent_.empty() || recent_.back().evidence.begin_ns < step->onset_ns) return verdict;
   verdict.kind = Kind::kChange;
   verdict.reason = withP("the lens changed, in one step", step->p_value);
@@ -116,15 +114,14 @@ ChangeVerdict ChangeDetector::examineStep(const QueueEstimate& queue,
 }
 
 ChangeVerdict ChangeDetector::explain(const Reference& reference, double p_value,
-                                      const QueueEstimate& queue,
-                                      const QueueSolution& solution) const {
+                                      const SegmentQueue& queue) const {
   std::vector<Evidence> stretches;
   for (const Stretch& stretch : recent_) stretches.push_back(stretch.evidence);
   const ChangeCourse course = courseOfChange(stretches, reference);
   ChangeVerdict verdict;
   verdict.p_value = p_value;
-  const bool gradual = course.gradual || solution.drift.significant ||
-                       showsDrift(allStretches(queue), solution.camera, last_stamp_ns_);
+  const bool gradual = course.gradual || queue.solution().drift.significant ||
+                       showsDrift(allStretches(queue), queue.solution().camera, last_stamp_ns_);
   verdict.reason = withP(gradual ? "the lens drifts slowly" : "the lens changed", p_value);
   verdict.kind = !course.camera.valid() ? Kind::kDoubt : gradual ? Kind::kDrift : Kind::kChange;
   verdict.onset_ns = stretches[course.first].begin_ns;

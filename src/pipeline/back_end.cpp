@@ -1,291 +1,282 @@
+// A keyframe in the back end, from its window to the verdict.
+
 #include "camera_self_calibration/pipeline/back_end.h"
 
-#include <limits>
+#include <string>
+#include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/estimation/entropy.h"
-#include "camera_self_calibration/estimation/marginal.h"
-#include "camera_self_calibration/map/rolling_shutter.h"
+#include "camera_self_calibration/queue/candidate_outlook.h"
 
 namespace camera_self_calibration {
 namespace {
 
-StartupOptions startupOptions(const Options& options) {
-  StartupOptions startup;
-  startup.max_keyframes = options.startup_keyframes;
-  return startup;
-}
-
-std::string drifting(const LensDrift& drift) {
-  return formatted("; the focal length drifts by some %.2g %% a minute", 100.0 * drift.rate);
-}
+// Times the limit of CONVERGED that the batch has to be good to, and an earlier setting near to it,
+// to be the same: what is vague looks like one that is near, and segments of both do not mix.
+constexpr double kSameSetting = 0.4;
 
 }  // namespace
 
-BackEnd::BackEnd(const Options& options, const Camera& camera)
-    : options_(options),
-      model_choice_(ModelChoiceOptions()),
-      lens_fit_(LensFitOptions()),
-      startup_(startupOptions(options), camera),
-      queue_(options.queue_segments, options.alpha, options.score),
-      estimate_(options.solver_threads),
-      detector_(options.false_alarms_per_hour),
-      row_time_(options.readout_s / rowSteps(camera.height()), rowSteps(camera.height())) {
-  report_.camera = camera;
-  report_.uncertainty = PixelError::unknown();
-  report_.entropy = std::numeric_limits<double>::infinity();
-}
-
 BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
-  const std::optional<KeyframeMessage> freed_message = freed(seen);
-  const KeyframeMessage& message = freed_message ? *freed_message : seen;
-  field_ = message.field;
-  BackEndOutput output;
-  report_.stamp_ns = message.candidate.endNs();
-  report_.keyframes = message.keyframes;
-  if (options_.fix_intrinsics) {
-    reportHeldIntrinsics();
-    output.report = report_;
-    return output;
+  see(seen);
+  if (phase_ != Phase::kHeld) {
+    field_ = seen.field;
+    const KeyframeMessage message = shutter_.freed(seen, known_.camera, isInformed(phase_));
+    considerModel(message);
+    if (isStarting(phase_)) runStartup(message.history);
+    outcome_ = considerCandidate(message);
+    considerDrift();
+    recallSetting();
+    considerRowTime();
+    considerHandover();
+    considerLensFit();
   }
-  considerModel(message);
-  if (!handed_over_) runStartup(message);
-  if (handed_over_ || follows_queue_ || startup_.tellsLens()) {
-    considerCandidate(message, &output.events);
-  } else {
-    report_.queue.last_decision = "not considered: all keyframes together tell nothing yet";
-  }
-  if (handed_over_) considerDrift();
-  if (!handed_over_) recallSetting(&output.events);
-  considerRowTime();
-  if (!handed_over_) considerHandover(report_.stamp_ns, &output.events);
-  considerLensFit();
-  judge(report_.stamp_ns, &output.events);
-  return finish(std::move(output));
-}
-
-BackEndOutput BackEnd::finish(BackEndOutput output) {
-  fillQueueReport();
-  reportShutter();
-  if (changed_) {
-    ++report_.revision;
-    output.update.emplace();
-    output.update->camera = report_.camera;
-    output.update->generation = report_.revision;
-    output.update->handed_over = handed_over_;
-    output.update->uncertainty_px = report_.uncertainty.rms;
-    output.update->epoch = report_.epoch;
-    output.update->row_time_s = row_time_.inUse();
-    output.update->onset_ns = epoch_onset_ns_;
-    if (!handed_over_ && !follows_queue_) output.update->solution = startup_.segment();
-  }
-  changed_ = false;
-  for (Event& event : output.events) event.epoch = report_.epoch;
-  output.report = report_;
-  return output;
+  judge();
+  return finish();
 }
 
 BackEndOutput BackEnd::hold(const KeyframeMessage& message, const std::string& remark) {
-  BackEndOutput output;
-  if (message.keyframes > 0) {
-    report_.stamp_ns = message.candidate.endNs();
-    report_.keyframes = message.keyframes;
-  }
-  judge(report_.stamp_ns, &output.events);
-  output = finish(std::move(output));
+  see(message);
+  judge();
+  BackEndOutput output = finish();
   output.report.sentence += remark;
+  for (Event& event : output.events) event.sentence += remark;
   return output;
 }
 
-bool BackEnd::restore(const LearntState& state) {
-  const Camera& own = report_.camera;
-  const bool same_model = options_.choose_model || state.camera.model() == own.model();
-  if (!state.problems().empty() || !same_model || state.camera.width() != own.width() ||
-      state.camera.height() != own.height()) {
-    return false;
-  }
-  BackEnd restored = *this;
-  restored.report_.camera = state.camera;
-  restored.report_.state = state.state;  // CONVERGED is left on a change or a reset only
-  restored.report_.stamp_ns = state.stamp_ns;
-  restored.report_.keyframes = state.keyframes;
-  restored.report_.revision = state.revision;
-  restored.report_.epoch = state.epoch;
-  restored.restoreShutter(state);
-  for (const Candidate& candidate : state.segments) {
-    restored.offer(withRowTime(candidate, restored.row_time_.inUse(), state.camera));
-  }
-  restored.handed_over_ = restored.report_.handed_over = true;
-  restored.solveQueue();
-  if (!restored.solution_.usable) return false;
-  restored.report_.queue.last_decision = "restored";
-  *this = restored;
-  return true;
-}
-
-BackEndOutput BackEnd::merge(const std::vector<Candidate>& candidates) {
-  bool accepted = false;
-  for (const Candidate& candidate : candidates) {
-    if (candidate.information.rows() != report_.camera.estimatedCount()) continue;
-    if (offer(withRowTime(candidate, row_time_.inUse(), report_.camera))) accepted = true;
-  }
-  if (accepted) solveQueue();
-  changed_ = true;
-  return hold(KeyframeMessage(), "");
-}
-
-std::shared_ptr<const LearntState> BackEnd::state() const {
-  if (!handed_over_) return nullptr;
-  auto state = std::make_shared<LearntState>();
-  state->camera = report_.camera;
-  state->state = report_.state;
-  state->stamp_ns = report_.stamp_ns;
-  state->keyframes = report_.keyframes;
-  state->revision = report_.revision;
-  state->epoch = report_.epoch;
-  state->row_time_s = row_time_.inUse();
-  if (row_time_.estimate().usable) state->row_time_sigma_s = row_time_.estimate().sigma_s;
-  state->segments = estimate_.candidates();
-  return state;
-}
-
-void BackEnd::reportHeldIntrinsics() {
-  report_.state = CalibrationState::kConverged;
-  report_.sentence = "the intrinsics were given and are held";
-  report_.uncertainty = {0.0, 0.0};
-  report_.handed_over = true;
+void BackEnd::see(const KeyframeMessage& message) {
+  stamp_ns_ = message.candidate.endNs();
+  keyframes_ = message.keyframes;
 }
 
 void BackEnd::considerModel(const KeyframeMessage& message) {
-  if (!options_.choose_model || !(handed_over_ || startup_.tellsLens())) return;
+  if (!options_.choose_model || (isStarting(phase_) && !startup_.isInformative())) return;
   model_choice_.observe(message.candidate);
   std::vector<Segment> observed;
-  for (const Candidate& candidate : estimate_.candidates()) {
+  for (const Candidate& candidate : queue_.candidates()) {
     const bool restored = candidate.observed.keyframes.empty();
     observed.push_back(restored ? candidate.segment : candidate.observed);
   }
   const std::optional<Camera> camera =
-      model_choice_.consider(report_.keyframes, observed, report_.camera, options_.solver_threads);
-  report_.models = model_choice_.evidence();
+      model_choice_.consider(keyframes_, observed, known_.camera, options_.solver_threads);
   if (camera) switchModel(*camera, observed);
 }
 
 // The queue's segments stay, scored anew; if their joint estimate fails, all stays as it was.
 void BackEnd::switchModel(const Camera& camera, const std::vector<Segment>& observed) {
-  BackEnd switched = *this;
-  switched.clearQueue();
-  switched.report_.camera = camera;
-  switched.startup_.switchModel(camera);
+  std::vector<Candidate> candidates;
   for (const Segment& segment : observed) {
-    switched.offer(evaluateCandidate(CandidateOptions(), segment, camera));
+    candidates.push_back(evaluateCandidate(CandidateOptions(), segment, camera));
   }
-  switched.solveQueue();
-  if (handed_over_ && !switched.solution_.usable) return;
-  switched.report_.queue.swaps = report_.queue.swaps;
-  *this = switched;
+  SegmentQueue queue = queue_;
+  const int taken = queue.rebuild(candidates, shutter_.startFrom(camera));
+  if (!isStarting(phase_) && !queue.solution().usable) return;
+  startup_.switchModel(camera);
+  clearQueue();
+  queue_ = std::move(queue);
+  shutter_.noteTaken(taken);
+  known_ = Known();
+  known_.camera = camera;
+  if (!isStarting(phase_)) adoptSolution();
 }
 
-void BackEnd::clearQueue() {
-  queue_.clear();
-  estimate_.clear();
-  solution_ = QueueSolution();
-  startup_course_.clear();
-  follows_queue_ = false;
-  lens_fit_ = LensFit(LensFitOptions());
+void BackEnd::runStartup(const Segment& history) {
+  startup_.add(history);
+  if (startup_.usable() && known_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
+    clearQueue();  // its segments were scored for another number of parameters
+  }
+  followTheBetter();
 }
 
-bool BackEnd::offer(const Candidate& candidate) {
-  SegmentScore score;
-  score.sequence = candidate.segment.sequence;
-  score.begin_ns = candidate.segment.beginNs();
-  score.end_ns = candidate.segment.endNs();
-  score.entropy = candidate.entropy;
-  score.pixel_rms = candidate.uncertainty.rms;
-  score.information = candidate.information;
-  score.well_posed = candidate.well_posed;
-  const QueueDecision decision = queue_.offer(score, candidate.camera);
-  report_.queue.last_accepted = decision.accepted;
-  report_.queue.last_decision =
-      candidate.well_posed ? decision.reason : "refused: " + candidate.reason;
-  if (!decision.accepted) return false;
-  ++report_.queue.swaps;
-  estimate_.remove(decision.replaced);
-  estimate_.add(candidate);
-  ++swaps_since_row_time_;
-  return true;
+void BackEnd::followTheBetter() {
+  const QueueStanding standing = queueStanding(startup_, queue_, field_);
+  const QueueSolution& solution = queue_.solution();
+  if (standing.doubt.empty()) startup_.beginNextFrom(solution.camera, solution.covariance);
+  advance(betterEstimate(startup_, standing));
+  if (phase_ == Phase::kQueueLeads) {
+    adoptSolution();
+  } else if (startup_.usable()) {
+    // Intrinsics that nothing told would only do harm in front.
+    if (phase_ == Phase::kStartupLeads) changed_ = true;
+    adoptStartup(standing.startup_uncertainty);
+  }
 }
 
-void BackEnd::solveQueue() {
-  // From where its poses and depths are; before hand-over the report follows the startup batch.
-  const bool known = solution_.usable && solution_.camera.model() == report_.camera.model() &&
-                     solution_.camera.estimatedCount() == report_.camera.estimatedCount();
-  solution_ = estimate_.solve(handed_over_ || !known ? report_.camera : solution_.camera);
-  solution_.addUncertaintyOf(row_time_.estimate(), row_time_.doubt());
-  if (handed_over_ && solution_.usable) adoptSolution();
+BackEnd::CandidateOutcome BackEnd::considerCandidate(const KeyframeMessage& message) {
+  if (!isInformed(phase_)) {
+    return {false, "not considered: all keyframes together tell nothing yet"};
+  }
+  if (watch_.straddlesChange(message.candidate)) {
+    return {false, "discarded: it straddles the change of the lens"};
+  }
+  if (const auto skipped = canSkipSolve(message)) return *skipped;
+  const Candidate candidate =
+      evaluateCandidate(CandidateOptions(), message.candidate, known_.camera);
+  const ChangeVerdict verdict =
+      watch_.examine(message, candidate, queue_, phase_ == Phase::kHandedOver);
+  if (isStarting(phase_)) {
+    watch_.remember(stamp_ns_, startup_, startupUncertainty(startup_, field_), convergedRms());
+  }
+  change_p_value_ = verdict.p_value;
+  switch (verdict.kind) {
+    case ChangeVerdict::Kind::kSame:
+      return offer(candidate);
+    case ChangeVerdict::Kind::kDoubt:
+    case ChangeVerdict::Kind::kBadData:
+      return {false, "held back: " + verdict.reason};
+    case ChangeVerdict::Kind::kDrift:
+      return followDrift(verdict);
+    case ChangeVerdict::Kind::kChange:
+      return beginLens(verdict);
+  }
+  return {};
 }
 
-void BackEnd::adoptSolution() {
-  solution_.drift = presentDrift();
-  report_.camera = solution_.present();
-  report_.covariance = solution_.presentCovariance();
-  noise_ = pixelUncertainty(report_.camera, report_.covariance, field_);
-  report_.uncertainty = lens_fit_.report().total(noise_);
-  report_.entropy = entropy(report_.camera, report_.covariance);
+// Neighbouring windows share all keyframes but one, and most of them stand no chance against what
+// the queue holds of the same time. One that says nothing against the lens either need not be
+// solved.
+std::optional<BackEnd::CandidateOutcome> BackEnd::canSkipSolve(const KeyframeMessage& message) {
+  const CandidateOutlook outlook = outlookOf(message.candidate, known_.camera);
+  if (!outlook.usable) return std::nullopt;
+  const QueueDecision decision = queue_.consider(outlook.best, known_.camera);
+  if (decision.accepted) return std::nullopt;
+  const std::optional<double> p_value =
+      watch_.clearlySame(message, outlook, queue_, phase_ == Phase::kHandedOver);
+  if (!p_value) return std::nullopt;
+  change_p_value_ = *p_value;
+  return CandidateOutcome{false, decision.reason + " (at best: it was not solved)"};
+}
+
+BackEnd::CandidateOutcome BackEnd::offer(const Candidate& candidate) {
+  const QueueDecision decision = queue_.offer(candidate, queueStart());
+  if (decision.accepted) adoptChange(1);
+  return {decision.accepted, decision.reason};
+}
+
+BackEnd::CandidateOutcome BackEnd::followDrift(const ChangeVerdict& verdict) {
+  known_.camera = verdict.camera;  // where the estimate starts
+  adoptChange(queue_.exchange(verdict.stale, verdict.recent, queueStart()));
+  return {false, verdict.reason + ": " + std::to_string(verdict.stale.size()) +
+                     " segments that describe its past were retired"};
+}
+
+// A drifting lens is another one at each keyframe, whether the queue changes or not.
+void BackEnd::considerDrift() {
+  if (phase_ != Phase::kHandedOver || changed_ || !queue_.solution().usable) return;
+  if (queue_.solution().drift.significant || watch_.drift(queue_, stamp_ns_).significant) {
+    adoptSolution();
+  }
+}
+
+void BackEnd::recallSetting() {
+  if (!isStarting(phase_) || !startup_.usable()) return;
+  const double limit = kSameSetting * convergedRms();
+  if (!(startupUncertainty(startup_, field_).rms < limit)) return;
+  const std::optional<Setting> setting =
+      settings_.recall(startup_.camera(), startup_.information(), limit);
+  if (!setting) return;
+  queue_ = setting->queue;
+  advance(PhaseTrigger::kQueueReady);
+  adoptRowTime();  // it may have been learnt since then
+  adoptSolution();
+  raise(EventType::kHandover, "the lens is back at a setting known from epoch " +
+                                  std::to_string(setting->epoch) + ": its queue is in use again");
+}
+
+void BackEnd::considerRowTime() {
+  const bool another =
+      isStarting(phase_) ? shutter_.ask(startup_) : shutter_.ask(queue_, outcome_.accepted);
+  if (another) adoptRowTime();
+}
+
+// The queue's segments stay, evaluated anew.
+void BackEnd::adoptRowTime() {
+  const double row_time_s = shutter_.rowTime().inUse();
+  if (isStarting(phase_)) startup_.setRowTime(row_time_s);
+  model_choice_.setRowTime(row_time_s, known_.camera);
+  watch_.forgetWindows();
+  std::vector<Candidate> freed;
+  for (const Candidate& candidate : queue_.candidates()) {
+    freed.push_back(shutter_.freed(candidate, known_.camera));
+  }
+  queue_.rebuild(freed, queueStart());
+  shutter_.noteFreed();
+  if (isStarting(phase_)) {
+    followTheBetter();
+  } else if (queue_.solution().usable) {
+    adoptSolution();
+  }
   changed_ = true;
+}
+
+void BackEnd::considerHandover() {
+  if (!isStarting(phase_)) return;
+  if (options_.choose_model && !model_choice_.settled()) {
+    obstacle_ = "the lens model is not chosen yet";
+    return;
+  }
+  const HandoverLimits limits{2.0 * convergedRms(), options_.handover_entropy};
+  const QueueStanding standing = queueStanding(startup_, queue_, field_);
+  obstacle_ = standing.doubt;
+  if (standing.contradicts_startup && standing.startup_uncertainty.rms < limits.pixel_rms) {
+    clearQueue();  // filled from a start that was wrong
+  }
+  if (!obstacle_.empty() || !startup_.usable()) return;
+  obstacle_ = shortfall(standing, queue_.solution(), limits);
+  if (!obstacle_.empty()) return;
+  advance(PhaseTrigger::kQueueReady);
+  adoptSolution();
+  raise(EventType::kHandover,
+        formatted("the calibration now rests on several segments of video (the queue), good to "
+                  "%.2f px rms (limit %.2f px)",
+                  uncertainty().rms, limits.pixel_rms));
 }
 
 // Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.
 void BackEnd::considerLensFit() {
-  if (!handed_over_) return;
+  if (isStarting(phase_)) return;
   const bool verdict_due =
-      report_.state != CalibrationState::kConverged && noise_.rms <= convergedRms();
-  if (lens_fit_.consider(report_.keyframes, verdict_due, estimate_.candidates(), solution_, field_,
+      health_.state != CalibrationState::kConverged && known_.noise.rms <= convergedRms();
+  if (lens_fit_.consider(keyframes_, verdict_due, queue_.candidates(), queue_.solution(), field_,
                          options_.solver_threads)) {
     adoptSolution();
   }
 }
 
-void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
-  HealthEvidence evidence;
-  evidence.keyframes = static_cast<int>(report_.keyframes);
-  const bool by_queue = handed_over_ || follows_queue_;
-  evidence.has_estimate = by_queue || startup_.usable();
-  evidence.handed_over = handed_over_;
-  evidence.information = by_queue ? solution_.information : startup_.information();
-  evidence.uncertainty = report_.uncertainty;
-  evidence.seeing_share = field_.share();
-  evidence.threshold_px = convergedRms();
-  evidence.epoch = report_.epoch;
-  evidence.obstacle = obstacle_;
-  const LensFitReport& fit = report_.lens_fit = lens_fit_.report();
-  if (fit.misfit.rms > noise_.rms) evidence.better_model = fit.better;
-  const bool was_converged = report_.state == CalibrationState::kConverged;
-  const HealthVerdict verdict = judgeHealth(evidence, report_.camera, was_converged);
-  report_.state = verdict.state;
-  report_.sentence = verdict.sentence;
-  const std::string choice = model_choice_.sentence();
-  if (!choice.empty()) report_.sentence += "; " + choice;
-  if (handed_over_ && fit.compared) report_.sentence += "; " + fit.sentence();
-  if (handed_over_ && solution_.drift.significant) report_.sentence += drifting(solution_.drift);
-  report_.hint = verdict.hint;
-  if (verdict.state == CalibrationState::kConverged && !was_converged) {
-    events->push_back({EventType::kConverged, stamp_ns, stamp_ns, verdict.sentence});
-  }
+void BackEnd::adoptStartup(const PixelError& uncertainty) {
+  known_ = {startup_.heldCamera(), startup_.covariance(), uncertainty};
 }
 
-void BackEnd::fillQueueReport() {
-  report_.queue.segments.clear();
-  for (const Candidate& candidate : estimate_.candidates()) {
-    SegmentReport segment;
-    segment.sequence = candidate.segment.sequence;
-    segment.begin_ns = candidate.segment.beginNs();
-    segment.end_ns = candidate.segment.endNs();
-    segment.entropy = candidate.entropy;
-    segment.keyframes = static_cast<int>(candidate.segment.keyframes.size());
-    segment.landmarks = static_cast<int>(candidate.segment.landmarks.size());
-    segment.observations = static_cast<int>(candidate.segment.observations.size());
-    report_.queue.segments.push_back(segment);
-  }
+void BackEnd::adoptSolution() {
+  queue_.setDrift(watch_.drift(queue_, stamp_ns_));
+  known_.camera = queue_.solution().present();
+  known_.covariance = queue_.solution().presentCovariance();
+  known_.noise = pixelUncertainty(known_.camera, known_.covariance, field_);
+  changed_ = true;
+}
+
+// The queue took so many candidates and was solved.
+void BackEnd::adoptChange(int taken) {
+  swaps_ += taken;
+  shutter_.noteTaken(taken);
+  if (!isStarting(phase_) && queue_.solution().usable) adoptSolution();
+}
+
+void BackEnd::clearQueue() {
+  queue_.clear();
+  watch_.forgetStartup();
+  lens_fit_ = LensFit(LensFitOptions());
+  advance(startup_.isInformative() ? PhaseTrigger::kStartupBetter : PhaseTrigger::kUninformed);
+}
+
+// From where the queue's poses and depths are: before hand-over the camera in use may be the
+// startup batch's.
+QueueStart BackEnd::queueStart() const {
+  const Camera& solved = queue_.solution().camera;
+  const bool goes_on = isStarting(phase_) && queue_.solution().usable &&
+                       solved.model() == known_.camera.model() &&
+                       solved.estimatedCount() == known_.camera.estimatedCount();
+  return shutter_.startFrom(goes_on ? solved : known_.camera);
 }
 
 }  // namespace camera_self_calibration

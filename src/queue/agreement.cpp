@@ -132,9 +132,9 @@ Segment restarted(const Segment& segment, const Segment& start) {
 }
 
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
-                                          const QueueEstimate& queue,
-                                          const QueueSolution& solution) {
-  if (!solution.usable || solution.shares.size() != queue.candidates().size()) return std::nullopt;
+                                          const SegmentQueue& queue) {
+  const QueueSolution& solution = queue.solution();
+  if (!solution.usable) return std::nullopt;
   const int count = solution.camera.estimatedCount();
   // Of the rest, at the joint optimum.
   IntrinsicsMatrix information = squared(solution.scatter.inflation()) * solution.information;

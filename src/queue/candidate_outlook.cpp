@@ -47,7 +47,7 @@ CandidateOutlook outlookOf(const Segment& segment, const Camera& camera) {
   return outlook;
 }
 
-bool fitsAsUsual(double sigma_scale, const QueueEstimate& queue) {
+bool fitsAsUsual(double sigma_scale, const SegmentQueue& queue) {
   std::vector<double> scales;
   for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.sigma_scale);
   return sigma_scale <= kUsualMisfit * std::max(1.0, median(std::move(scales), 1.0));

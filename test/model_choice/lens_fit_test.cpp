@@ -7,6 +7,7 @@
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/queue/segment_queue.h"
 #include "estimation/sample_segments.h"
 
 namespace camera_self_calibration {
@@ -26,15 +27,9 @@ Camera as(CameraModel model, const Camera& camera) {
   return fitted;
 }
 
-struct Queue {
-  QueueEstimate estimate{1};
-  QueueSolution solution;
-};
-
-// Stretches of a trajectory one after the other, seen through `truth`, scored and solved as
-// `model`.
-Queue queueOf(const Camera& truth, CameraModel model, int count) {
-  Queue queue;
+// Segments of a trajectory one after the other, seen through `truth`, scored and solved as `model`.
+SegmentQueue queueOf(const Camera& truth, CameraModel model, int count) {
+  std::vector<Candidate> candidates;
   const Camera start = as(model, truth);
   for (int i = 0; i < count; ++i) {
     SegmentOptions options;
@@ -44,16 +39,17 @@ Queue queueOf(const Camera& truth, CameraModel model, int count) {
     options.tracks.pixel_sigma = 0.2;
     Segment segment = makeSegment(options, 3).segment;
     segment.sequence = i;
-    queue.estimate.add(evaluateCandidate(CandidateOptions(), segment, start));
+    candidates.push_back(evaluateCandidate(CandidateOptions(), segment, start));
   }
-  queue.solution = queue.estimate.solve(start);
-  EXPECT_TRUE(queue.solution.usable);
+  SegmentQueue queue(QueuePolicy(10, 0.95), 1);
+  EXPECT_EQ(queue.offer(candidates, {start}), count);
+  EXPECT_TRUE(queue.solution().usable);
   return queue;
 }
 
-LensFitReport fitOf(const Queue& queue) {
+LensFitReport fitOf(const SegmentQueue& queue) {
   LensFit fit{LensFitOptions()};
-  EXPECT_TRUE(fit.consider(40, true, queue.estimate.candidates(), queue.solution, {}, 1));
+  EXPECT_TRUE(fit.consider(40, true, queue.candidates(), queue.solution(), {}, 1));
   EXPECT_TRUE(fit.report().compared);
   return fit.report();
 }
@@ -69,12 +65,12 @@ TEST(LensFit, ATrueModelFits) {
 }
 
 TEST(LensFit, FindsTheDistortionThatAPinholeLacks) {
-  const Queue queue = queueOf(kAlmostPinhole, CameraModel::kPinhole, 4);
+  const SegmentQueue queue = queueOf(kAlmostPinhole, CameraModel::kPinhole, 4);
   const LensFitReport report = fitOf(queue);
   EXPECT_FALSE(report.better.empty());
-  const PixelError error = pixelDistance(queue.solution.camera, kAlmostPinhole);
+  const PixelError error = pixelDistance(queue.solution().camera, kAlmostPinhole);
   EXPECT_NEAR(report.misfit.rms, error.rms, 0.3 * error.rms);
-  const PixelError noise = pixelUncertainty(queue.solution.camera, queue.solution.covariance);
+  const PixelError noise = pixelUncertainty(queue.solution().camera, queue.solution().covariance);
   EXPECT_GT(error.rms, 3.0 * noise.rms);  // what the noise alone states is a lie
   EXPECT_LT(error.rms, 3.0 * report.total(noise).rms);
   EXPECT_NE(report.sentence().find("pinhole is "), std::string::npos) << report.sentence();
@@ -99,10 +95,10 @@ TEST(LensFit, SaysWhereTheImageHasNoRays) {
 }
 
 TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {
-  const Queue queue = queueOf(kPinhole, CameraModel::kPinhole, 3);
-  const Queue longer = queueOf(kPinhole, CameraModel::kPinhole, 4);
-  const auto consider = [](LensFit* fit, int keyframes, bool due, const Queue& seen) {
-    return fit->consider(keyframes, due, seen.estimate.candidates(), seen.solution, {}, 1);
+  const SegmentQueue queue = queueOf(kPinhole, CameraModel::kPinhole, 3);
+  const SegmentQueue longer = queueOf(kPinhole, CameraModel::kPinhole, 4);
+  const auto consider = [](LensFit* fit, int keyframes, bool due, const SegmentQueue& seen) {
+    return fit->consider(keyframes, due, seen.candidates(), seen.solution(), {}, 1);
   };
   LensFit fit{LensFitOptions()};
   EXPECT_EQ(fit.report().sentence(), "");

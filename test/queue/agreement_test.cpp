@@ -12,26 +12,22 @@ namespace {
 
 constexpr std::int64_t kEver = 1LL << 62;
 
-struct Filled {
-  QueueEstimate queue{1};
-  QueueSolution solution;
-};
-
-Filled filledQueue(const Camera& lens, int segments, std::uint64_t first_seed) {
-  Filled filled;
+SegmentQueue filledQueue(const Camera& lens, int segments, std::uint64_t first_seed) {
+  std::vector<Candidate> candidates;
   for (int i = 0; i < segments; ++i) {
-    filled.queue.add(candidateOf(lens, perturbedCamera(lens, 1), first_seed + i));
+    candidates.push_back(candidateOf(lens, perturbedCamera(lens, 1), first_seed + i));
   }
-  filled.solution = filled.queue.solve(lens);
-  return filled;
+  SegmentQueue queue = roomyQueue();
+  EXPECT_EQ(queue.offer(candidates, {lens}), segments);
+  return queue;
 }
 
 TEST(Agreement, OfTheSameLensIsNoLargerThanChance) {
   double sum = 0.0;
   int count = 0;
   for (const Camera& lens : ordinaryCameras()) {
-    const Filled filled = filledQueue(lens, 3, 100);
-    const auto reference = referenceWithout(kEver, kEver, filled.queue, filled.solution);
+    const SegmentQueue queue = filledQueue(lens, 3, 100);
+    const auto reference = referenceWithout(kEver, kEver, queue);
     ASSERT_TRUE(reference);
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
       const Candidate candidate = candidateOf(lens, lens, seed);
@@ -50,8 +46,8 @@ TEST(Agreement, OfTheSameLensIsNoLargerThanChance) {
 
 TEST(Agreement, OfAnotherLensFails) {
   for (const Camera& lens : ordinaryCameras()) {
-    const Filled filled = filledQueue(lens, 3, 100);
-    const auto reference = referenceWithout(kEver, kEver, filled.queue, filled.solution);
+    const SegmentQueue queue = filledQueue(lens, 3, 100);
+    const auto reference = referenceWithout(kEver, kEver, queue);
     ASSERT_TRUE(reference);
     const Candidate candidate = candidateOf(zoomed(lens, 1.08), lens, 1);
     const auto evidence = evidenceAt(reference->camera, candidate.segment, candidate.sigma_scale);
@@ -64,12 +60,13 @@ TEST(Agreement, OfAnotherLensFails) {
 
 TEST(Agreement, ReferenceWithoutASegmentIsTheEstimateOfTheOthers) {
   for (const Camera& lens : ordinaryCameras()) {
-    Filled all = filledQueue(lens, 4, 100);
-    const Segment& out = all.queue.candidates()[1].segment;
-    const auto reference = referenceWithout(out.beginNs(), out.endNs(), all.queue, all.solution);
+    SegmentQueue all = filledQueue(lens, 4, 100);
+    const Segment out = all.candidates()[1].segment;
+    const auto reference = referenceWithout(out.beginNs(), out.endNs(), all);
     ASSERT_TRUE(reference);
-    all.queue.remove({out.sequence});
-    const QueueSolution others = all.queue.solve(lens);
+    EXPECT_FALSE(referenceWithout(0, kEver, all));
+    all.exchange({out.sequence}, {}, {lens});
+    const QueueSolution& others = all.solution();
     for (int i = 0; i < lens.estimatedCount(); ++i) {
       const double sigma = std::sqrt(others.covariance(i, i));
       EXPECT_NEAR(reference->camera.parameters()(i), others.camera.parameters()(i), 0.15 * sigma)
@@ -77,21 +74,18 @@ TEST(Agreement, ReferenceWithoutASegmentIsTheEstimateOfTheOthers) {
     }
     EXPECT_EQ(reference->scatter.freedom, others.scatter.freedom);
     EXPECT_NEAR(reference->scatter.inflation(), others.scatter.inflation(), 0.2);
-    EXPECT_FALSE(referenceWithout(0, kEver, all.queue, all.solution));
   }
 }
 
 // What entered the queue before it told enough must not hide what it says when it does.
 TEST(Agreement, WhatOverlapsIsNoMeasureOfScatter) {
   const Camera lens = ordinaryCameras()[1];
-  Filled torn = filledQueue(lens, 3, 100);
+  SegmentQueue torn = filledQueue(lens, 3, 100);
   const Candidate other = candidateOf(zoomed(lens, 1.08), lens, 1);
-  torn.queue.add(other);
-  torn.solution = torn.queue.solve(lens);
-  ASSERT_GT(torn.solution.scatter.inflation(), 3.0);
+  ASSERT_TRUE(torn.offer(other, {lens}).accepted);
+  ASSERT_GT(torn.solution().scatter.inflation(), 3.0);
   const Segment& segment = other.segment;
-  const auto reference =
-      referenceWithout(segment.beginNs(), segment.endNs(), torn.queue, torn.solution);
+  const auto reference = referenceWithout(segment.beginNs(), segment.endNs(), torn);
   ASSERT_TRUE(reference);
   EXPECT_LT(reference->scatter.inflation(), 1.7);
   const auto evidence = evidenceAt(reference->camera, segment, other.sigma_scale);

@@ -10,7 +10,7 @@
 #include "camera_self_calibration/queue/agreement.h"
 #include "camera_self_calibration/queue/candidate_outlook.h"
 #include "camera_self_calibration/queue/candidate_window.h"
-#include "camera_self_calibration/queue/queue_estimate.h"
+#include "camera_self_calibration/queue/segment_queue.h"
 
 namespace camera_self_calibration {
 
@@ -52,16 +52,14 @@ class ChangeDetector {
   /// A keyframe's window as it came (`window`) and as a solved candidate; `suspected_onset_ns` is
   /// that of InnovationMonitor, 0 for none.
   ChangeVerdict examine(const Segment& window, const Candidate& candidate,
-                        std::int64_t suspected_onset_ns, const QueueEstimate& queue,
-                        const QueueSolution& solution);
+                        std::int64_t suspected_onset_ns, const SegmentQueue& queue);
 
   /// For a window that will not enter the queue: the p-value of its outlook, if that leaves no
   /// need to solve it as a candidate for examine(). Nothing where anything is suspected or in
   /// doubt, where the tracks fit worse than usual, or where the window is the first after those
   /// that the slow tests remember.
   std::optional<double> clearlySame(const CandidateOutlook& outlook,
-                                    std::int64_t suspected_onset_ns, const QueueEstimate& queue,
-                                    const QueueSolution& solution);
+                                    std::int64_t suspected_onset_ns, const SegmentQueue& queue);
 
   /// The same while the lens is still being learnt, against what was known of it before the window
   /// began.
@@ -70,7 +68,7 @@ class ChangeDetector {
 
   /// The newest disjoint stretches that fit a lens as well as the queue's segments and share no
   /// moment with them.
-  std::vector<Evidence> stretchesBeside(const QueueEstimate& queue) const;
+  std::vector<Evidence> stretchesBeside(const SegmentQueue& queue) const;
 
   /// Forgets what was seen, at the beginning of an epoch.
   void reset() {
@@ -93,24 +91,22 @@ class ChangeDetector {
   static std::string withP(const char* text, double p_value);
   void measureInterval(std::int64_t stamp_ns);
   ChangeVerdict examineKeyframe(const Segment& window, const Candidate& candidate,
-                                std::int64_t suspected_onset_ns, const QueueEstimate& queue,
-                                const QueueSolution& solution);
+                                std::int64_t suspected_onset_ns, const SegmentQueue& queue);
   ChangeVerdict examineSuspicion(const Segment& window, int earlier_keyframes,
                                  const Reference& reference) const;
   ChangeVerdict examineCandidate(const Segment& window, const Candidate& candidate,
-                                 const Reference& reference, const QueueEstimate& queue,
-                                 const QueueSolution& solution);
+                                 const Reference& reference, const SegmentQueue& queue);
   ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
   ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
                               const Reference& reference) const;
   // In slow_change.cpp: the newest stretches.
   bool isNewStretch(std::int64_t begin_ns) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const Evidence& evidence);
-  std::vector<Evidence> allStretches(const QueueEstimate& queue) const;
-  ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;
-  ChangeVerdict examineStep(const QueueEstimate& queue, const QueueSolution& solution) const;
-  ChangeVerdict explain(const Reference& reference, double p_value, const QueueEstimate& queue,
-                        const QueueSolution& solution) const;
+  std::vector<Evidence> allStretches(const SegmentQueue& queue) const;
+  ChangeVerdict examineRecent(const SegmentQueue& queue) const;
+  ChangeVerdict examineStep(const SegmentQueue& queue) const;
+  ChangeVerdict explain(const Reference& reference, double p_value,
+                        const SegmentQueue& queue) const;
 
   double rate_;
   double interval_s_ = 0.3;  // between keyframes, running mean

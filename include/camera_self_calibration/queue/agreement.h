@@ -6,8 +6,8 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/map/segment.h"
-#include "camera_self_calibration/queue/queue_estimate.h"
 #include "camera_self_calibration/queue/scatter.h"
+#include "camera_self_calibration/queue/segment_queue.h"
 
 namespace camera_self_calibration {
 
@@ -53,11 +53,9 @@ struct Reference {
 
 /// The queue's estimate without the segments that share a moment with [begin, end], by subtracting
 /// what they said at the joint optimum; its scatter is that of the segments that are left, or of
-/// all where a single one is. `solution` is that of the queue as it is. Nothing if the rest does
-/// not determine the intrinsics.
+/// all where a single one is. Nothing if the rest does not determine the intrinsics.
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
-                                          const QueueEstimate& queue,
-                                          const QueueSolution& solution);
+                                          const SegmentQueue& queue);
 
 /// Hotelling's statistic for two estimates of the same intrinsics that share no data.
 struct Agreement {

@@ -23,6 +23,6 @@ CandidateOutlook outlookOf(const Segment& segment, const Camera& camera);
 
 /// Whether residuals of this sigma scale are about as large as those of the queue's candidates:
 /// where they are much larger, poses and depths have not settled, or the lens is another one.
-bool fitsAsUsual(double sigma_scale, const QueueEstimate& queue);
+bool fitsAsUsual(double sigma_scale, const SegmentQueue& queue);
 
 }  // namespace camera_self_calibration
