@@ -1,11 +1,11 @@
-// A keyframe in the back end, from its window to the verdict.
-
 #include "camera_self_calibration/pipeline/back_end.h"
 
 #include <string>
 #include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/pipeline/back_end_report.h"
+#include "camera_self_calibration/pipeline/handover.h"
 #include "camera_self_calibration/queue/candidate_outlook.h"
 
 namespace camera_self_calibration {
@@ -19,12 +19,13 @@ constexpr double kSameSetting = 0.4;
 
 BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
   see(seen);
-  if (phase_ != Phase::kHeld) {
-    field_ = seen.field;
-    const KeyframeMessage message = shutter_.freed(seen, known_.camera, isInformed(phase_));
+  if (state_.phase != Phase::kHeld) {
+    state_.field = seen.field;
+    const KeyframeMessage message =
+        state_.shutter.freed(seen, state_.known.camera, isInformed(state_.phase));
     considerModel(message);
-    if (isStarting(phase_)) runStartup(message.history);
-    outcome_ = considerCandidate(message);
+    if (isStarting(state_.phase)) runStartup(message.history);
+    state_.outcome = considerCandidate(message);
     considerDrift();
     recallSetting();
     considerRowTime();
@@ -45,20 +46,21 @@ BackEndOutput BackEnd::hold(const KeyframeMessage& message, const std::string& r
 }
 
 void BackEnd::see(const KeyframeMessage& message) {
-  stamp_ns_ = message.candidate.endNs();
-  keyframes_ = message.keyframes;
+  state_.stamp_ns = message.candidate.endNs();
+  state_.keyframes = message.keyframes;
 }
 
 void BackEnd::considerModel(const KeyframeMessage& message) {
-  if (!options_.choose_model || (isStarting(phase_) && !startup_.isInformative())) return;
-  model_choice_.observe(message.candidate);
+  const bool informed = !isStarting(state_.phase) || state_.startup.isInformative();
+  if (!options_.choose_model || !informed) return;
+  state_.model_choice.observe(message.candidate);
   std::vector<Segment> observed;
-  for (const Candidate& candidate : queue_.candidates()) {
+  for (const Candidate& candidate : state_.queue.candidates()) {
     const bool restored = candidate.observed.keyframes.empty();
     observed.push_back(restored ? candidate.segment : candidate.observed);
   }
-  const std::optional<Camera> camera =
-      model_choice_.consider(keyframes_, observed, known_.camera, options_.solver_threads);
+  const std::optional<Camera> camera = state_.model_choice.consider(
+      state_.keyframes, observed, state_.known.camera, options_.solver_threads);
   if (camera) switchModel(*camera, observed);
 }
 
@@ -68,56 +70,58 @@ void BackEnd::switchModel(const Camera& camera, const std::vector<Segment>& obse
   for (const Segment& segment : observed) {
     candidates.push_back(evaluateCandidate(CandidateOptions(), segment, camera));
   }
-  SegmentQueue queue = queue_;
-  const int taken = queue.rebuild(candidates, shutter_.startFrom(camera));
-  if (!isStarting(phase_) && !queue.solution().usable) return;
-  startup_.switchModel(camera);
+  SegmentQueue queue = state_.queue;
+  const int taken = queue.rebuild(candidates, state_.shutter.startFrom(camera));
+  if (!isStarting(state_.phase) && !queue.solution().usable) return;
+  state_.startup.switchModel(camera);
   clearQueue();
-  queue_ = std::move(queue);
-  shutter_.noteTaken(taken);
-  known_ = Known();
-  known_.camera = camera;
-  if (!isStarting(phase_)) adoptSolution();
+  state_.queue = std::move(queue);
+  state_.shutter.noteTaken(taken);
+  state_.known = KnownLens();
+  state_.known.camera = camera;
+  if (!isStarting(state_.phase)) adoptSolution();
 }
 
 void BackEnd::runStartup(const Segment& history) {
-  startup_.add(history);
-  if (startup_.usable() && known_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
+  state_.startup.add(history);
+  if (state_.startup.usable() &&
+      state_.known.camera.estimatedCount() != state_.startup.camera().estimatedCount()) {
     clearQueue();  // its segments were scored for another number of parameters
   }
   followTheBetter();
 }
 
 void BackEnd::followTheBetter() {
-  const QueueStanding standing = queueStanding(startup_, queue_, field_);
-  const QueueSolution& solution = queue_.solution();
-  if (standing.doubt.empty()) startup_.beginNextFrom(solution.camera, solution.covariance);
-  advance(betterEstimate(startup_, standing));
-  if (phase_ == Phase::kQueueLeads) {
+  const QueueStanding standing = queueStanding(state_.startup, state_.queue, state_.field);
+  const QueueSolution& solution = state_.queue.solution();
+  if (standing.doubt.empty()) state_.startup.beginNextFrom(solution.camera, solution.covariance);
+  advance(betterEstimate(state_.startup, standing));
+  if (state_.phase == Phase::kQueueLeads) {
     adoptSolution();
-  } else if (startup_.usable()) {
+  } else if (state_.startup.usable()) {
     // Intrinsics that nothing told would only do harm in front.
-    if (phase_ == Phase::kStartupLeads) changed_ = true;
+    if (state_.phase == Phase::kStartupLeads) changed_ = true;
     adoptStartup(standing.startup_uncertainty);
   }
 }
 
-BackEnd::CandidateOutcome BackEnd::considerCandidate(const KeyframeMessage& message) {
-  if (!isInformed(phase_)) {
+CandidateOutcome BackEnd::considerCandidate(const KeyframeMessage& message) {
+  if (!isInformed(state_.phase)) {
     return {false, "not considered: all keyframes together tell nothing yet"};
   }
-  if (watch_.straddlesChange(message.candidate)) {
+  if (state_.watch.straddlesChange(message.candidate)) {
     return {false, "discarded: it straddles the change of the lens"};
   }
   if (const auto skipped = canSkipSolve(message)) return *skipped;
   const Candidate candidate =
-      evaluateCandidate(CandidateOptions(), message.candidate, known_.camera);
+      evaluateCandidate(CandidateOptions(), message.candidate, state_.known.camera);
   const ChangeVerdict verdict =
-      watch_.examine(message, candidate, queue_, phase_ == Phase::kHandedOver);
-  if (isStarting(phase_)) {
-    watch_.remember(stamp_ns_, startup_, startupUncertainty(startup_, field_), convergedRms());
+      state_.watch.examine(message, candidate, state_.queue, state_.phase == Phase::kHandedOver);
+  if (isStarting(state_.phase)) {
+    state_.watch.remember(state_.stamp_ns, state_.startup,
+                          startupUncertainty(state_.startup, state_.field), convergedRms());
   }
-  change_p_value_ = verdict.p_value;
+  state_.change_p_value = verdict.p_value;
   switch (verdict.kind) {
     case ChangeVerdict::Kind::kSame:
       return offer(candidate);
@@ -135,47 +139,48 @@ BackEnd::CandidateOutcome BackEnd::considerCandidate(const KeyframeMessage& mess
 // Neighbouring windows share all keyframes but one, and most of them stand no chance against what
 // the queue holds of the same time. One that says nothing against the lens either need not be
 // solved.
-std::optional<BackEnd::CandidateOutcome> BackEnd::canSkipSolve(const KeyframeMessage& message) {
-  const CandidateOutlook outlook = outlookOf(message.candidate, known_.camera);
+std::optional<CandidateOutcome> BackEnd::canSkipSolve(const KeyframeMessage& message) {
+  const CandidateOutlook outlook = outlookOf(message.candidate, state_.known.camera);
   if (!outlook.usable) return std::nullopt;
-  const QueueDecision decision = queue_.consider(outlook.best, known_.camera);
+  const QueueDecision decision = state_.queue.consider(outlook.best, state_.known.camera);
   if (decision.accepted) return std::nullopt;
   const std::optional<double> p_value =
-      watch_.clearlySame(message, outlook, queue_, phase_ == Phase::kHandedOver);
+      state_.watch.clearlySame(message, outlook, state_.queue, state_.phase == Phase::kHandedOver);
   if (!p_value) return std::nullopt;
-  change_p_value_ = *p_value;
+  state_.change_p_value = *p_value;
   return CandidateOutcome{false, decision.reason + " (at best: it was not solved)"};
 }
 
-BackEnd::CandidateOutcome BackEnd::offer(const Candidate& candidate) {
-  const QueueDecision decision = queue_.offer(candidate, queueStart());
+CandidateOutcome BackEnd::offer(const Candidate& candidate) {
+  const QueueDecision decision = state_.queue.offer(candidate, queueStart());
   if (decision.accepted) adoptChange(1);
   return {decision.accepted, decision.reason};
 }
 
-BackEnd::CandidateOutcome BackEnd::followDrift(const ChangeVerdict& verdict) {
-  known_.camera = verdict.camera;  // where the estimate starts
-  adoptChange(queue_.exchange(verdict.stale, verdict.recent, queueStart()));
+CandidateOutcome BackEnd::followDrift(const ChangeVerdict& verdict) {
+  state_.known.camera = verdict.camera;  // where the estimate starts
+  adoptChange(state_.queue.exchange(verdict.stale, verdict.recent, queueStart()));
   return {false, verdict.reason + ": " + std::to_string(verdict.stale.size()) +
                      " segments that describe its past were retired"};
 }
 
 // A drifting lens is another one at each keyframe, whether the queue changes or not.
 void BackEnd::considerDrift() {
-  if (phase_ != Phase::kHandedOver || changed_ || !queue_.solution().usable) return;
-  if (queue_.solution().drift.significant || watch_.drift(queue_, stamp_ns_).significant) {
+  if (state_.phase != Phase::kHandedOver || changed_ || !state_.queue.solution().usable) return;
+  if (state_.queue.solution().drift.significant ||
+      state_.watch.drift(state_.queue, state_.stamp_ns).significant) {
     adoptSolution();
   }
 }
 
 void BackEnd::recallSetting() {
-  if (!isStarting(phase_) || !startup_.usable()) return;
+  if (!isStarting(state_.phase) || !state_.startup.usable()) return;
   const double limit = kSameSetting * convergedRms();
-  if (!(startupUncertainty(startup_, field_).rms < limit)) return;
+  if (!(startupUncertainty(state_.startup, state_.field).rms < limit)) return;
   const std::optional<Setting> setting =
-      settings_.recall(startup_.camera(), startup_.information(), limit);
+      state_.settings.recall(state_.startup.camera(), state_.startup.information(), limit);
   if (!setting) return;
-  queue_ = setting->queue;
+  state_.queue = setting->queue;
   advance(PhaseTrigger::kQueueReady);
   adoptRowTime();  // it may have been learnt since then
   adoptSolution();
@@ -184,99 +189,125 @@ void BackEnd::recallSetting() {
 }
 
 void BackEnd::considerRowTime() {
-  const bool another =
-      isStarting(phase_) ? shutter_.ask(startup_) : shutter_.ask(queue_, outcome_.accepted);
+  const bool another = isStarting(state_.phase)
+                           ? state_.shutter.ask(state_.startup)
+                           : state_.shutter.ask(state_.queue, state_.outcome.accepted);
   if (another) adoptRowTime();
 }
 
 // The queue's segments stay, evaluated anew.
 void BackEnd::adoptRowTime() {
-  const double row_time_s = shutter_.rowTime().inUse();
-  if (isStarting(phase_)) startup_.setRowTime(row_time_s);
-  model_choice_.setRowTime(row_time_s, known_.camera);
-  watch_.forgetWindows();
+  const double row_time_s = state_.shutter.rowTime().inUse();
+  if (isStarting(state_.phase)) state_.startup.setRowTime(row_time_s);
+  state_.model_choice.setRowTime(row_time_s, state_.known.camera);
+  state_.watch.forgetWindows();
   std::vector<Candidate> freed;
-  for (const Candidate& candidate : queue_.candidates()) {
-    freed.push_back(shutter_.freed(candidate, known_.camera));
+  for (const Candidate& candidate : state_.queue.candidates()) {
+    freed.push_back(state_.shutter.freed(candidate, state_.known.camera));
   }
-  queue_.rebuild(freed, queueStart());
-  shutter_.noteFreed();
-  if (isStarting(phase_)) {
+  state_.queue.rebuild(freed, queueStart());
+  state_.shutter.noteFreed();
+  if (isStarting(state_.phase)) {
     followTheBetter();
-  } else if (queue_.solution().usable) {
+  } else if (state_.queue.solution().usable) {
     adoptSolution();
   }
   changed_ = true;
 }
 
 void BackEnd::considerHandover() {
-  if (!isStarting(phase_)) return;
-  if (options_.choose_model && !model_choice_.settled()) {
-    obstacle_ = "the lens model is not chosen yet";
+  if (!isStarting(state_.phase)) return;
+  if (options_.choose_model && !state_.model_choice.settled()) {
+    state_.obstacle = "the lens model is not chosen yet";
     return;
   }
   const HandoverLimits limits{2.0 * convergedRms(), options_.handover_entropy};
-  const QueueStanding standing = queueStanding(startup_, queue_, field_);
-  obstacle_ = standing.doubt;
+  const QueueStanding standing = queueStanding(state_.startup, state_.queue, state_.field);
+  state_.obstacle = standing.doubt;
   if (standing.contradicts_startup && standing.startup_uncertainty.rms < limits.pixel_rms) {
     clearQueue();  // filled from a start that was wrong
   }
-  if (!obstacle_.empty() || !startup_.usable()) return;
-  obstacle_ = shortfall(standing, queue_.solution(), limits);
-  if (!obstacle_.empty()) return;
+  if (!state_.obstacle.empty() || !state_.startup.usable()) return;
+  state_.obstacle = shortfall(standing, state_.queue.solution(), limits);
+  if (!state_.obstacle.empty()) return;
   advance(PhaseTrigger::kQueueReady);
   adoptSolution();
   raise(EventType::kHandover,
         formatted("the calibration now rests on several segments of video (the queue), good to "
                   "%.2f px rms (limit %.2f px)",
-                  uncertainty().rms, limits.pixel_rms));
+                  state_.uncertainty().rms, limits.pixel_rms));
 }
 
 // Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.
 void BackEnd::considerLensFit() {
-  if (isStarting(phase_)) return;
-  const bool verdict_due =
-      health_.state != CalibrationState::kConverged && known_.noise.rms <= convergedRms();
-  if (lens_fit_.consider(keyframes_, verdict_due, queue_.candidates(), queue_.solution(), field_,
-                         options_.solver_threads)) {
+  if (isStarting(state_.phase)) return;
+  const bool verdict_due = state_.health.state != CalibrationState::kConverged &&
+                           state_.known.noise.rms <= convergedRms();
+  if (state_.lens_fit.consider(state_.keyframes, verdict_due, state_.queue.candidates(),
+                               state_.queue.solution(), state_.field, options_.solver_threads)) {
     adoptSolution();
   }
 }
 
+void BackEnd::judge() {
+  state_.health = verdictOn(state_, convergedRms());
+  const bool converged = state_.health.state == CalibrationState::kConverged;
+  if (converged && !converged_told_) raise(EventType::kConverged, state_.health.sentence);
+  converged_told_ = converged;
+}
+
+BackEndOutput BackEnd::finish() {
+  BackEndOutput output;
+  if (changed_) {
+    ++state_.counters.revision;
+    output.update = updateOf(state_);
+  }
+  changed_ = false;
+  output.events = std::exchange(events_, {});
+  for (Event& event : output.events) event.epoch = state_.counters.epoch;
+  output.report = reportOf(state_);
+  return output;
+}
+
+void BackEnd::raise(EventType type, const std::string& sentence) {
+  events_.push_back({type, state_.stamp_ns, state_.stamp_ns, sentence});
+}
+
 void BackEnd::adoptStartup(const PixelError& uncertainty) {
-  known_ = {startup_.heldCamera(), startup_.covariance(), uncertainty};
+  state_.known = {state_.startup.heldCamera(), state_.startup.covariance(), uncertainty};
 }
 
 void BackEnd::adoptSolution() {
-  queue_.setDrift(watch_.drift(queue_, stamp_ns_));
-  known_.camera = queue_.solution().present();
-  known_.covariance = queue_.solution().presentCovariance();
-  known_.noise = pixelUncertainty(known_.camera, known_.covariance, field_);
+  state_.queue.setDrift(state_.watch.drift(state_.queue, state_.stamp_ns));
+  state_.known.camera = state_.queue.solution().present();
+  state_.known.covariance = state_.queue.solution().presentCovariance();
+  state_.known.noise = pixelUncertainty(state_.known.camera, state_.known.covariance, state_.field);
   changed_ = true;
 }
 
 // The queue took so many candidates and was solved.
 void BackEnd::adoptChange(int taken) {
-  swaps_ += taken;
-  shutter_.noteTaken(taken);
-  if (!isStarting(phase_) && queue_.solution().usable) adoptSolution();
+  state_.swaps += taken;
+  state_.shutter.noteTaken(taken);
+  if (!isStarting(state_.phase) && state_.queue.solution().usable) adoptSolution();
 }
 
 void BackEnd::clearQueue() {
-  queue_.clear();
-  watch_.forgetStartup();
-  lens_fit_ = LensFit(LensFitOptions());
-  advance(startup_.isInformative() ? PhaseTrigger::kStartupBetter : PhaseTrigger::kUninformed);
+  state_.queue.clear();
+  state_.watch.forgetStartup();
+  state_.lens_fit = LensFit(LensFitOptions());
+  advance(state_.startup.isInformative() ? PhaseTrigger::kStartupBetter
+                                         : PhaseTrigger::kUninformed);
 }
 
 // From where the queue's poses and depths are: before hand-over the camera in use may be the
 // startup batch's.
 QueueStart BackEnd::queueStart() const {
-  const Camera& solved = queue_.solution().camera;
-  const bool goes_on = isStarting(phase_) && queue_.solution().usable &&
-                       solved.model() == known_.camera.model() &&
-                       solved.estimatedCount() == known_.camera.estimatedCount();
-  return shutter_.startFrom(goes_on ? solved : known_.camera);
+  const Camera& solved = state_.queue.solution().camera;
+  const bool goes_on = isStarting(state_.phase) && state_.queue.solution().usable &&
+                       solved.model() == state_.known.camera.model() &&
+                       solved.estimatedCount() == state_.known.camera.estimatedCount();
+  return state_.shutter.startFrom(goes_on ? solved : state_.known.camera);
 }
 
 }  // namespace camera_self_calibration

@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/back_end.h"
+#include "camera_self_calibration/pipeline/handover.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -22,49 +23,52 @@ std::string describe(const Event& event) {
 
 }  // namespace
 
+BackEndState::BackEndState(const Options& options, const Camera& camera)
+    : startup(startupOptions(options), camera),
+      queue(QueuePolicy(options.queue_segments, options.alpha, options.score),
+            options.solver_threads),
+      shutter(options, camera.height()),
+      watch(options.false_alarms_per_hour),
+      model_choice(ModelChoiceOptions()),
+      lens_fit(LensFitOptions()) {
+  known.camera = camera;
+  if (!options.fix_intrinsics) return;
+  phase = Phase::kHeld;
+  known.noise = {0.0, 0.0};
+}
+
 BackEnd::BackEnd(const Options& options, const Camera& camera, const Counters& counters)
-    : options_(options),
-      startup_(startupOptions(options), camera),
-      queue_(QueuePolicy(options.queue_segments, options.alpha, options.score),
-             options.solver_threads),
-      shutter_(options, camera.height()),
-      watch_(options.false_alarms_per_hour),
-      model_choice_(ModelChoiceOptions()),
-      lens_fit_(LensFitOptions()),
-      counters_(counters),
-      changed_(counters.revision > 0) {  // what was known before is no longer in use
-  known_.camera = camera;
-  if (options.fix_intrinsics) {
-    phase_ = Phase::kHeld;
-    known_.noise = {0.0, 0.0};
-    changed_ = false;
-  }
+    : options_(options), state_(options, camera) {
+  state_.counters = counters;
+  const bool held = state_.phase == Phase::kHeld;
+  changed_ = !held && counters.revision > 0;  // what was known before is no longer in use
+  converged_told_ = held;
 }
 
 bool BackEnd::restore(const LearntState& state) {
-  const Camera& own = known_.camera;
+  const Camera& own = state_.known.camera;
   const bool same_model = options_.choose_model || state.camera.model() == own.model();
-  if (phase_ == Phase::kHeld || !state.problems().empty() || !same_model ||
+  if (state_.phase == Phase::kHeld || !state.problems().empty() || !same_model ||
       state.camera.width() != own.width() || state.camera.height() != own.height()) {
     return false;
   }
-  Shutter shutter = shutter_;
+  Shutter shutter = state_.shutter;
   shutter.restore(state);
   std::vector<Candidate> freed;
   for (const Candidate& candidate : state.segments) {
     freed.push_back(shutter.freed(candidate, state.camera));
   }
-  SegmentQueue queue = queue_;
+  SegmentQueue queue = state_.queue;
   const int taken = queue.rebuild(freed, shutter.startFrom(state.camera));
   if (!queue.solution().usable) return false;
-  shutter_ = std::move(shutter);
-  queue_ = std::move(queue);
-  phase_ = Phase::kRestored;
-  stamp_ns_ = state.stamp_ns;
-  keyframes_ = state.keyframes;
-  counters_ = {std::max(counters_.revision, state.revision), state.epoch};
-  health_.state = state.state;  // CONVERGED is left on a change or a reset only
-  outcome_.reason = "restored";
+  state_.shutter = std::move(shutter);
+  state_.queue = std::move(queue);
+  state_.phase = Phase::kRestored;
+  state_.stamp_ns = state.stamp_ns;
+  state_.keyframes = state.keyframes;
+  state_.counters = {std::max(state_.counters.revision, state.revision), state.epoch};
+  state_.health.state = state.state;  // CONVERGED is left on a change or a reset only
+  state_.outcome.reason = "restored";
   adoptChange(taken);
   return true;
 }
@@ -73,10 +77,10 @@ BackEndOutput BackEnd::confirm(const std::vector<Candidate>& candidates) {
   advance(PhaseTrigger::kConfirmed);
   std::vector<Candidate> comparable;
   for (const Candidate& candidate : candidates) {
-    if (candidate.information.rows() != known_.camera.estimatedCount()) continue;
-    comparable.push_back(shutter_.freed(candidate, known_.camera));
+    if (candidate.information.rows() != state_.known.camera.estimatedCount()) continue;
+    comparable.push_back(state_.shutter.freed(candidate, state_.known.camera));
   }
-  const int taken = queue_.offer(comparable, queueStart());
+  const int taken = state_.queue.offer(comparable, queueStart());
   if (taken > 0) adoptChange(taken);
   changed_ = true;
   judge();
@@ -85,28 +89,30 @@ BackEndOutput BackEnd::confirm(const std::vector<Candidate>& candidates) {
 
 // The present estimate goes on from what the alarm knows; the map, the poses and the queue of the
 // epoch that ends keep their intrinsics.
-BackEnd::CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
+CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
   archiveQueue(verdict.onset_ns);
-  const QueueSolution before = queue_.solution();
-  const bool by_queue = phase_ == Phase::kHandedOver && before.usable;
-  Event event{EventType::kCalibrationChange, stamp_ns_, verdict.onset_ns, verdict.reason};
+  const QueueSolution before = state_.queue.solution();
+  const bool by_queue = state_.phase == Phase::kHandedOver && before.usable;
+  Event event{EventType::kCalibrationChange, state_.stamp_ns, verdict.onset_ns, verdict.reason};
   // The camera in use may have followed the change already, as a drift.
-  event.magnitude_px = pixelDistance(by_queue ? before.camera : known_.camera, verdict.camera).rms;
+  event.magnitude_px =
+      pixelDistance(by_queue ? before.camera : state_.known.camera, verdict.camera).rms;
   event.p_value = verdict.p_value;
   event.sentence += describe(event);
-  last_change_ = event.sentence;
+  state_.last_change = event.sentence;
   events_.push_back(std::move(event));
 
   advance(PhaseTrigger::kLensChanged);
-  ++counters_.epoch;
-  health_.state = CalibrationState::kInitializing;
-  watch_.beginLens(verdict.onset_ns,
-                   by_queue ? std::optional<Scatter>(before.scatter) : std::nullopt);
-  const IntrinsicsMatrix covariance_before = by_queue ? before.covariance : startup_.covariance();
-  startup_.resume(verdict.camera, verdict.information, verdict.segment, covariance_before);
+  ++state_.counters.epoch;
+  state_.health.state = CalibrationState::kInitializing;
+  state_.watch.beginLens(verdict.onset_ns,
+                         by_queue ? std::optional<Scatter>(before.scatter) : std::nullopt);
+  const IntrinsicsMatrix covariance_before =
+      by_queue ? before.covariance : state_.startup.covariance();
+  state_.startup.resume(verdict.camera, verdict.information, verdict.segment, covariance_before);
   clearQueue();
-  adoptStartup(startupUncertainty(startup_, field_));
-  adoptChange(queue_.offer(verdict.recent, queueStart()));
+  adoptStartup(startupUncertainty(state_.startup, state_.field));
+  adoptChange(state_.queue.offer(verdict.recent, queueStart()));
   changed_ = true;
   return {false, "the queue of the lens before the change was archived"};
 }
@@ -114,13 +120,13 @@ BackEnd::CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
 // As it was before the change, for a setting that returns.
 void BackEnd::archiveQueue(std::int64_t onset_ns) {
   std::vector<std::int64_t> later;
-  for (const Candidate& candidate : queue_.candidates()) {
+  for (const Candidate& candidate : state_.queue.candidates()) {
     if (candidate.segment.endNs() >= onset_ns) later.push_back(candidate.segment.sequence);
   }
-  if (queue_.solution().usable && !later.empty()) {
-    queue_.exchange(later, {}, {queue_.solution().camera});
+  if (state_.queue.solution().usable && !later.empty()) {
+    state_.queue.exchange(later, {}, {state_.queue.solution().camera});
   }
-  settings_.store({counters_.epoch, queue_});
+  state_.settings.store({state_.counters.epoch, state_.queue});
 }
 
 }  // namespace camera_self_calibration

@@ -16,12 +16,13 @@ CheckedBackEnd::CheckedBackEnd(const Options& options, const Beginning& beginnin
   if (!beginning.state || !main_.restore(*beginning.state)) return;
   // If it turns out to be another lens, this one is the next epoch; the restored estimate is
   // reported in one revision more until then.
-  const Counters next{main_.counters().revision + 1, main_.counters().epoch + 1};
+  const Counters& known = main_.state().counters;
+  const Counters next{known.revision + 1, known.epoch + 1};
   fresh_ = std::make_unique<BackEnd>(options, beginning.camera, next);
 }
 
 void CheckedBackEnd::beginAgain(const Beginning& beginning) {
-  *this = CheckedBackEnd(options_, beginning, {main_.counters().revision, 0});
+  *this = CheckedBackEnd(options_, beginning, {main_.state().counters.revision, 0});
 }
 
 BackEndOutput CheckedBackEnd::process(const KeyframeMessage& message, bool frozen) {
@@ -39,15 +40,15 @@ BackEndOutput CheckedBackEnd::process(const KeyframeMessage& message, bool froze
 
 void CheckedBackEnd::check(const KeyframeMessage& message, BackEndOutput* output) {
   BackEndOutput fresh = fresh_->process(message);
-  if (!fresh_->startup().usable()) return;
+  if (!fresh_->state().startup.usable()) return;
   RecheckEvidence evidence;
-  evidence.known = main_.camera();
-  evidence.known_error = main_.uncertainty();
-  evidence.fresh = fresh_->camera();
-  evidence.fresh_error = fresh_->uncertainty();
-  evidence.threshold_px = options_.convergedRms(main_.camera().width());
+  evidence.known = main_.state().known.camera;
+  evidence.known_error = main_.state().uncertainty();
+  evidence.fresh = fresh_->state().known.camera;
+  evidence.fresh_error = fresh_->state().uncertainty();
+  evidence.threshold_px = options_.convergedRms(main_.state().known.camera.width());
   const Recheck recheck =
-      recheckCalibration(RecheckOptions(), evidence, fresh_->startup().segment());
+      recheckCalibration(RecheckOptions(), evidence, fresh_->state().startup.segment());
   contradictions_ = recheck.verdict == RecheckVerdict::kDifferent ? contradictions_ + 1 : 0;
   if (recheck.verdict == RecheckVerdict::kSame) {
     confirm(recheck, output);
@@ -58,7 +59,7 @@ void CheckedBackEnd::check(const KeyframeMessage& message, BackEndOutput* output
 
 void CheckedBackEnd::confirm(const Recheck& recheck, BackEndOutput* output) {
   const std::int64_t stamp_ns = output->report.stamp_ns;
-  BackEndOutput confirmed = main_.confirm(fresh_->queue().candidates());
+  BackEndOutput confirmed = main_.confirm(fresh_->state().queue.candidates());
   fresh_.reset();
   output->report = confirmed.report;
   output->update = std::move(confirmed.update);
@@ -73,7 +74,7 @@ void CheckedBackEnd::discardRestored(const Recheck& recheck, BackEndOutput fresh
                                      BackEndOutput* output) {
   main_ = std::move(*fresh_);
   fresh_.reset();
-  if (!fresh.update) fresh.update = main_.update();  // the front end has the discarded one
+  if (!fresh.update) fresh.update = updateOf(main_.state());  // the front end has the discarded one
   *output = std::move(fresh);
   Event event{EventType::kCalibrationChange, output->report.stamp_ns, first_stamp_ns_,
               "the restored calibration does not belong to this lens: " + recheck.sentence +

@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "camera_self_calibration/pipeline/back_end_report.h"
 #include "camera_self_calibration/pipeline/checked_back_end.h"
 #include "lens_change/change_samples.h"
 #include "pipeline/track_run.h"
@@ -36,21 +37,21 @@ class Watched {
   explicit Watched(const Options& options, const TrackRunOptions& run_options = shortRun())
       : run(lens(), options, run_options), back_end(options, guess()) {
     run.record.on_keyframe = [this](const KeyframeMessage& message) {
-      const Phase before = back_end.phase();
-      const std::uint64_t revision = back_end.counters().revision;
+      const Phase before = back_end.state().phase;
+      const std::uint64_t revision = back_end.state().counters.revision;
       const std::size_t events = outputs.empty() ? 0 : eventCount();
       outputs.push_back(back_end.process(message));
       expectRules(revision);
-      if (before != back_end.phase()) transitions.insert({before, back_end.phase()});
-      if (isStarting(before) && back_end.phase() == Phase::kHandedOver) {
+      if (before != back_end.state().phase) transitions.insert({before, back_end.state().phase});
+      if (isStarting(before) && back_end.state().phase == Phase::kHandedOver) {
         EXPECT_GT(eventCount(), events) << "hand-over is an event";
       }
     };
   }
 
   bool runUntil(Phase phase, int frames) {
-    for (int i = 0; i < frames && back_end.phase() != phase; ++i) run.step();
-    return back_end.phase() == phase;
+    for (int i = 0; i < frames && back_end.state().phase != phase; ++i) run.step();
+    return back_end.state().phase == phase;
   }
   std::size_t eventCount() const {
     std::size_t count = 0;
@@ -67,13 +68,13 @@ class Watched {
  private:
   void expectRules(std::uint64_t revision) const {
     const BackEndOutput& output = outputs.back();
-    const Phase phase = back_end.phase();
+    const Phase phase = back_end.state().phase;
     EXPECT_EQ(output.report.handed_over, !isStarting(phase)) << toString(phase);
     EXPECT_EQ(output.report.revision, revision + (output.update ? 1 : 0));
-    EXPECT_EQ(output.report.queue.segments.size(), back_end.queue().candidates().size());
+    EXPECT_EQ(output.report.queue.segments.size(), back_end.state().queue.candidates().size());
     EXPECT_TRUE(segmentsAreDisjoint(output.report.queue));
     for (const Event& event : output.events) EXPECT_EQ(event.epoch, output.report.epoch);
-    EXPECT_EQ(back_end.state() != nullptr, !isStarting(phase));
+    EXPECT_EQ(learntStateOf(back_end.state()) != nullptr, !isStarting(phase));
     if (!output.update) return;
     EXPECT_EQ(output.update->generation, output.report.revision);
     EXPECT_EQ(output.update->camera.parameters(), output.report.camera.parameters());
@@ -84,15 +85,15 @@ class Watched {
 
 TEST(BackEnd, LearnsFromNothingToHandover) {
   Watched watched(optionsFor(lens().model()));
-  EXPECT_EQ(watched.back_end.phase(), Phase::kNothingKnown);
+  EXPECT_EQ(watched.back_end.state().phase, Phase::kNothingKnown);
   ASSERT_TRUE(watched.runUntil(Phase::kHandedOver, 300));
   EXPECT_TRUE(watched.transitions.count({Phase::kNothingKnown, Phase::kStartupLeads}));
   EXPECT_EQ(watched.outputs.front().report.queue.last_decision,
             "not considered: all keyframes together tell nothing yet");
-  EXPECT_LT(pixelDistance(lens(), watched.back_end.camera()).rms, 2.0);
+  EXPECT_LT(pixelDistance(lens(), watched.back_end.state().known.camera).rms, 2.0);
   // Nothing but a change of the lens leads out of it.
   watched.run.run(60);
-  EXPECT_EQ(watched.back_end.phase(), Phase::kHandedOver);
+  EXPECT_EQ(watched.back_end.state().phase, Phase::kHandedOver);
   // The same input, the same output as that of the run's own.
   const CalibrationReport own = watched.run.report();
   EXPECT_EQ(own.camera.parameters(), watched.report().camera.parameters());
@@ -106,9 +107,9 @@ TEST(BackEnd, StaysWhereNothingIsKnownWhileMotionDoesNotInform) {
   Watched watched(optionsFor(lens().model()), run);
   watched.run.run(120);
   ASSERT_GT(watched.outputs.size(), 12u);
-  EXPECT_EQ(watched.back_end.phase(), Phase::kNothingKnown);
+  EXPECT_EQ(watched.back_end.state().phase, Phase::kNothingKnown);
   EXPECT_TRUE(watched.transitions.empty());
-  EXPECT_TRUE(watched.back_end.queue().candidates().empty());
+  EXPECT_TRUE(watched.back_end.state().queue.candidates().empty());
   for (const BackEndOutput& output : watched.outputs) EXPECT_FALSE(output.update);
 }
 
@@ -123,11 +124,11 @@ TEST(BackEnd, BeforeHandoverTheBetterLeads) {
   watched.run.calibrator().resetTracking();
   ASSERT_TRUE(watched.runUntil(Phase::kQueueLeads, 100));
   watched.run.run(60);
-  EXPECT_TRUE(isStarting(watched.back_end.phase()));
+  EXPECT_TRUE(isStarting(watched.back_end.state().phase));
   EXPECT_NE(watched.report().sentence.find("is needed"), std::string::npos)
       << watched.report().sentence;
   EXPECT_EQ(watched.report().state, CalibrationState::kInitializing);
-  EXPECT_LT(pixelDistance(lens(), watched.back_end.camera()).rms, 2.0);
+  EXPECT_LT(pixelDistance(lens(), watched.back_end.state().known.camera).rms, 2.0);
 }
 
 TEST(BackEnd, AnotherLensBeginsAnEpochAndOneThatReturnsIsRecognised) {
@@ -138,11 +139,12 @@ TEST(BackEnd, AnotherLensBeginsAnEpochAndOneThatReturnsIsRecognised) {
   options.converged_pixel_rms = 3.0;  // so that the batch soon tells which setting it is
   Watched watched(options, run);
   ASSERT_TRUE(watched.runUntil(Phase::kHandedOver, 200));
-  while (watched.back_end.phase() == Phase::kHandedOver && watched.run.record.frames.size() < 260) {
+  while (watched.back_end.state().phase == Phase::kHandedOver &&
+         watched.run.record.frames.size() < 260) {
     watched.run.step();
   }
-  ASSERT_TRUE(isStarting(watched.back_end.phase()));
-  EXPECT_EQ(watched.back_end.counters().epoch, 1u);
+  ASSERT_TRUE(isStarting(watched.back_end.state().phase));
+  EXPECT_EQ(watched.back_end.state().counters.epoch, 1u);
   EXPECT_TRUE(watched.transitions.count({Phase::kHandedOver, Phase::kStartupLeads}));
   const BackEndOutput& change = watched.outputs.back();
   ASSERT_FALSE(change.events.empty());
@@ -152,14 +154,14 @@ TEST(BackEnd, AnotherLensBeginsAnEpochAndOneThatReturnsIsRecognised) {
   ASSERT_TRUE(change.update) << "the front end needs it at once";
   EXPECT_EQ(change.update->onset_ns, change.events.front().onset_stamp_ns);
   EXPECT_GT(change.update->camera.parameters()(0), 1.05 * lens().parameters()(0));
-  for (const Candidate& candidate : watched.back_end.queue().candidates()) {
+  for (const Candidate& candidate : watched.back_end.state().queue.candidates()) {
     EXPECT_GE(candidate.segment.beginNs(), change.update->onset_ns) << "of the old lens";
   }
   ASSERT_TRUE(watched.runUntil(Phase::kHandedOver, 100));
   watched.run.run(200);
-  EXPECT_EQ(watched.back_end.counters().epoch, 2u);
-  EXPECT_EQ(watched.back_end.phase(), Phase::kHandedOver);
-  EXPECT_LT(pixelDistance(lens(), watched.back_end.camera()).rms, 1.0);
+  EXPECT_EQ(watched.back_end.state().counters.epoch, 2u);
+  EXPECT_EQ(watched.back_end.state().phase, Phase::kHandedOver);
+  EXPECT_LT(pixelDistance(lens(), watched.back_end.state().known.camera).rms, 1.0);
   bool recognised = false;
   for (const BackEndOutput& output : watched.outputs) {
     for (const Event& event : output.events) {
@@ -186,9 +188,9 @@ TEST(BackEnd, HeldIntrinsicsStayAsGiven) {
   };
   run.run(60);
   EXPECT_GT(keyframes, 3);
-  EXPECT_EQ(back_end.phase(), Phase::kHeld);
-  EXPECT_EQ(back_end.camera().parameters(), lens().parameters());
-  EXPECT_FALSE(back_end.state());
+  EXPECT_EQ(back_end.state().phase, Phase::kHeld);
+  EXPECT_EQ(back_end.state().known.camera.parameters(), lens().parameters());
+  EXPECT_FALSE(learntStateOf(back_end.state()));
 }
 
 /// What a run learnt, and the keyframes that followed.
@@ -218,10 +220,10 @@ TEST(BackEnd, ARestoredQueueIsHeldUntilItIsConfirmed) {
   ASSERT_TRUE(learnt().state);
   BackEnd back_end(optionsFor(lens().model()), guess());
   ASSERT_TRUE(back_end.restore(*learnt().state));
-  EXPECT_EQ(back_end.phase(), Phase::kRestored);
-  EXPECT_EQ(back_end.queue().candidates().size(), learnt().state->segments.size());
-  EXPECT_EQ(back_end.counters().revision, learnt().state->revision);
-  const Camera restored = back_end.camera();
+  EXPECT_EQ(back_end.state().phase, Phase::kRestored);
+  EXPECT_EQ(back_end.state().queue.candidates().size(), learnt().state->segments.size());
+  EXPECT_EQ(back_end.state().counters.revision, learnt().state->revision);
+  const Camera restored = back_end.state().known.camera;
   EXPECT_LT(pixelDistance(restored, learnt().state->camera).rms, 0.02);
   const BackEndOutput first = back_end.hold(learnt().later[0], "; a remark");
   EXPECT_EQ(first.report.state, CalibrationState::kConverged);
@@ -235,23 +237,24 @@ TEST(BackEnd, ARestoredQueueIsHeldUntilItIsConfirmed) {
   const BackEndOutput second = back_end.hold(learnt().later[1], "");
   EXPECT_TRUE(second.events.empty());
   EXPECT_FALSE(second.update);
-  EXPECT_EQ(back_end.camera().parameters(), restored.parameters()) << "nothing is learnt";
+  EXPECT_EQ(back_end.state().known.camera.parameters(), restored.parameters())
+      << "nothing is learnt";
   const BackEndOutput confirmed = back_end.confirm({});
-  EXPECT_EQ(back_end.phase(), Phase::kHandedOver);
+  EXPECT_EQ(back_end.state().phase, Phase::kHandedOver);
   ASSERT_TRUE(confirmed.update);
   EXPECT_TRUE(confirmed.update->handed_over);
-  EXPECT_EQ(back_end.camera().parameters(), restored.parameters());
+  EXPECT_EQ(back_end.state().known.camera.parameters(), restored.parameters());
 }
 
 TEST(BackEnd, WhatCannotBeRestoredChangesNothing) {
   ASSERT_TRUE(learnt().state);
   const auto refuses = [](BackEnd back_end, const LearntState& state) {
-    const Camera before = back_end.camera();
+    const Camera before = back_end.state().known.camera;
     EXPECT_FALSE(back_end.restore(state));
-    EXPECT_EQ(back_end.phase(), Phase::kNothingKnown);
-    EXPECT_EQ(back_end.camera().parameters(), before.parameters());
-    EXPECT_TRUE(back_end.queue().candidates().empty());
-    EXPECT_EQ(back_end.counters().revision, 0u);
+    EXPECT_EQ(back_end.state().phase, Phase::kNothingKnown);
+    EXPECT_EQ(back_end.state().known.camera.parameters(), before.parameters());
+    EXPECT_TRUE(back_end.state().queue.candidates().empty());
+    EXPECT_EQ(back_end.state().counters.revision, 0u);
   };
   const Options options = optionsFor(lens().model());
   refuses(BackEnd(options, Camera::defaultGuess(lens().model(), 320, 240)), *learnt().state);

@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/lens_change/recheck.h"
 #include "camera_self_calibration/pipeline/back_end.h"
+#include "camera_self_calibration/pipeline/back_end_report.h"
 
 namespace camera_self_calibration {
 
@@ -24,7 +25,7 @@ class CheckedBackEnd {
   BackEndOutput process(const KeyframeMessage& message, bool frozen);
 
   /// All that was learnt; nothing until the queue has taken over.
-  std::shared_ptr<const LearntState> state() const { return main_.state(); }
+  std::shared_ptr<const LearntState> state() const { return learntStateOf(main_.state()); }
 
  private:
   void check(const KeyframeMessage& message, BackEndOutput* output);
