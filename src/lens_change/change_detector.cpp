@@ -48,12 +48,13 @@ double usualResidualScale(const SegmentQueue& queue) {
 }
 
 // What a candidate that contradicts says without the tracks that may feign it.
-std::optional<Evidence> verified(const Evidence& evidence, const Candidate& candidate,
-                                 const Reference& reference) {
-  const auto fitting = evidenceAt(
+std::optional<QuadraticLikelihood> verified(const QuadraticLikelihood& likelihood,
+                                            const Candidate& candidate,
+                                            const Reference& reference) {
+  const auto fitting = likelihoodAt(
       reference.camera, fittingOneLens(candidate.segment, reference.camera), candidate.sigma_scale);
-  const double whole = agreement({evidence}, reference).statistic;
-  return fitting && agreement({*fitting}, reference).statistic < whole ? fitting : evidence;
+  const double whole = agreement({likelihood}, reference).statistic;
+  return fitting && agreement({*fitting}, reference).statistic < whole ? fitting : likelihood;
 }
 
 }  // namespace
@@ -88,15 +89,15 @@ ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& ca
 std::optional<double> ChangeDetector::clearlySame(const CandidateOutlook& outlook,
                                                   std::int64_t suspected_onset_ns,
                                                   const SegmentQueue& queue) {
-  measureInterval(outlook.evidence.end_ns);
-  if (suspected_onset_ns > 0 || in_doubt_ || isNewStretch(outlook.evidence.begin_ns) ||
+  measureInterval(outlook.likelihood.end_ns);
+  if (suspected_onset_ns > 0 || in_doubt_ || isNewSegment(outlook.likelihood.begin_ns) ||
       !fitsAsUsual(outlook.sigma_scale, queue)) {
     return std::nullopt;
   }
   const auto reference =
-      referenceWithout(outlook.evidence.begin_ns, outlook.evidence.end_ns, queue);
+      referenceWithout(outlook.likelihood.begin_ns, outlook.likelihood.end_ns, queue);
   if (!reference) return std::nullopt;
-  const double p_value = agreement({outlook.evidence}, *reference).p_value;
+  const double p_value = agreement({outlook.likelihood}, *reference).p_value;
   if (!(p_value > kClearlySame)) return std::nullopt;
   return p_value;
 }
@@ -106,7 +107,7 @@ ChangeVerdict ChangeDetector::examineUnfinished(const Segment& window, const Can
   measureInterval(window.endNs());
   ChangeVerdict verdict;
   const bool comparable = candidate.information.rows() == reference.information.rows();
-  if (comparable && agreement({ownEvidence(candidate)}, reference).p_value < kClearlySame) {
+  if (comparable && agreement({ownLikelihood(candidate)}, reference).p_value < kClearlySame) {
     verdict = examineWindow(window, 0, reference);
   }
   if (verdict.kind == Kind::kChange) return confirmed(std::move(verdict), reference.camera);
@@ -164,26 +165,26 @@ ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Cand
     verdict.reason = "the tracks fit no lens well";
     return verdict;
   }
-  const double own_p_value = agreement({ownEvidence(candidate)}, reference).p_value;
-  if (own_p_value > kClearlySame && !isNewStretch(candidate.segment.beginNs())) {
+  const double own_p_value = agreement({ownLikelihood(candidate)}, reference).p_value;
+  if (own_p_value > kClearlySame && !isNewSegment(candidate.segment.beginNs())) {
     verdict.p_value = own_p_value;
     return verdict;
   }
-  auto evidence =
-      evidenceAt(reference.camera, restarted(candidate.segment, window), candidate.sigma_scale);
-  if (!evidence) return verdict;
-  const bool contradicts = agreement({*evidence}, reference).p_value < kDoubt;
-  if (contradicts) evidence = verified(*evidence, candidate, reference);
-  if (!recent_.empty() && recent_.back().evidence.point.size() != evidence->point.size()) {
+  auto likelihood =
+      likelihoodAt(reference.camera, restarted(candidate.segment, window), candidate.sigma_scale);
+  if (!likelihood) return verdict;
+  const bool contradicts = agreement({*likelihood}, reference).p_value < kDoubt;
+  if (contradicts) likelihood = verified(*likelihood, candidate, reference);
+  if (!recent_.empty() && recent_.back().likelihood.point.size() != likelihood->point.size()) {
     recent_.clear();  // of another lens model
   }
-  const Agreement single = agreement({*evidence}, reference);
+  const Agreement single = agreement({*likelihood}, reference);
   verdict.p_value = single.p_value;
   if (single.p_value < limit()) {
     verdict = examineWindow(window, 0, reference);
     if (verdict.kind != Kind::kSame) return verdict;
   }
-  remember(candidate, *evidence);
+  remember(candidate, *likelihood);
   if (recent_.back().candidate.segment.sequence == candidate.segment.sequence) {
     const ChangeVerdict pooled = examineRecent(queue);
     if (pooled.kind != Kind::kSame) return pooled;

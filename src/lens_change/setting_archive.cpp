@@ -22,10 +22,10 @@ void SettingArchive::store(Setting setting) {
 std::optional<Setting> SettingArchive::recall(const Camera& camera,
                                               const IntrinsicsMatrix& information,
                                               double max_distance_px) {
-  Evidence evidence;
-  evidence.point = camera.parameters().head(camera.estimatedCount());
-  evidence.gradient = Intrinsics::Zero(evidence.point.size());
-  evidence.information = information;
+  QuadraticLikelihood likelihood;
+  likelihood.point = camera.parameters().head(camera.estimatedCount());
+  likelihood.gradient = Intrinsics::Zero(likelihood.point.size());
+  likelihood.information = information;
   auto nearest = settings_.end();
   double least = max_distance_px;
   for (auto setting = settings_.begin(); setting != settings_.end(); ++setting) {
@@ -36,7 +36,7 @@ std::optional<Setting> SettingArchive::recall(const Camera& camera,
     }
     const double distance = pixelDistance(solution.camera, camera).rms;
     const Reference reference{solution.camera, solution.information, Scatter()};
-    if (!(distance < least) || agreement({evidence}, reference).p_value < kDifferent) continue;
+    if (!(distance < least) || agreement({likelihood}, reference).p_value < kDifferent) continue;
     least = distance;
     nearest = setting;
   }

@@ -94,7 +94,7 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
   }
   if (was_converged && rms > evidence.threshold_px) {
     return {CalibrationState::kConverged,
-            "the calibration had converged, but the newest stretches disagree with it: now only " +
+            "the calibration had converged, but the newest segments disagree with it: now only " +
                 goodTo(evidence) + limit(evidence),
             "if this lasts although the lens was not touched, restart the calibration"};
   }

@@ -64,9 +64,10 @@ void LensWatch::beginLens(std::int64_t onset_ns, const std::optional<Scatter>& s
 }
 
 LensDrift LensWatch::drift(const SegmentQueue& queue, std::int64_t now_ns) const {
-  std::vector<Evidence> segments;
-  for (const Candidate& candidate : queue.candidates()) segments.push_back(ownEvidence(candidate));
-  return estimateDrift(segments, detector_.stretchesBeside(queue), queue.solution().camera, now_ns);
+  std::vector<QuadraticLikelihood> segments;
+  for (const Candidate& candidate : queue.candidates())
+    segments.push_back(ownLikelihood(candidate));
+  return estimateDrift(segments, detector_.segmentsBeside(queue), queue.solution().camera, now_ns);
 }
 
 }  // namespace camera_self_calibration

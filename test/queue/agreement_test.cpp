@@ -31,9 +31,10 @@ TEST(Agreement, OfTheSameLensIsNoLargerThanChance) {
     ASSERT_TRUE(reference);
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
       const Candidate candidate = candidateOf(lens, lens, seed);
-      const auto evidence = evidenceAt(reference->camera, candidate.segment, candidate.sigma_scale);
-      ASSERT_TRUE(evidence);
-      const Agreement result = agreement({*evidence}, *reference);
+      const auto likelihood =
+          likelihoodAt(reference->camera, candidate.segment, candidate.sigma_scale);
+      ASSERT_TRUE(likelihood);
+      const Agreement result = agreement({*likelihood}, *reference);
       EXPECT_GT(result.p_value, 1e-4);
       sum += result.statistic;
       count += lens.estimatedCount();
@@ -50,10 +51,11 @@ TEST(Agreement, OfAnotherLensFails) {
     const auto reference = referenceWithout(kEver, kEver, queue);
     ASSERT_TRUE(reference);
     const Candidate candidate = candidateOf(zoomed(lens, 1.08), lens, 1);
-    const auto evidence = evidenceAt(reference->camera, candidate.segment, candidate.sigma_scale);
-    ASSERT_TRUE(evidence);
-    EXPECT_LT(agreement({*evidence}, *reference).p_value, 1e-6) << toString(lens.model());
-    const Intrinsics between = compromise({*evidence}, *reference);
+    const auto likelihood =
+        likelihoodAt(reference->camera, candidate.segment, candidate.sigma_scale);
+    ASSERT_TRUE(likelihood);
+    EXPECT_LT(agreement({*likelihood}, *reference).p_value, 1e-6) << toString(lens.model());
+    const Intrinsics between = compromise({*likelihood}, *reference);
     EXPECT_GT(between(0), reference->camera.parameters()(0)) << toString(lens.model());
   }
 }
@@ -88,9 +90,9 @@ TEST(Agreement, WhatOverlapsIsNoMeasureOfScatter) {
   const auto reference = referenceWithout(segment.beginNs(), segment.endNs(), torn);
   ASSERT_TRUE(reference);
   EXPECT_LT(reference->scatter.inflation(), 1.7);
-  const auto evidence = evidenceAt(reference->camera, segment, other.sigma_scale);
-  ASSERT_TRUE(evidence);
-  EXPECT_LT(agreement({*evidence}, *reference).p_value, 1e-6);
+  const auto likelihood = likelihoodAt(reference->camera, segment, other.sigma_scale);
+  ASSERT_TRUE(likelihood);
+  EXPECT_LT(agreement({*likelihood}, *reference).p_value, 1e-6);
 }
 
 TEST(Agreement, ScatterByChanceIsNoVariance) {
@@ -103,22 +105,22 @@ TEST(Agreement, ScatterByChanceIsNoVariance) {
   EXPECT_EQ(more.inflationFreedom(), 10);
 }
 
-// A direction that the stretch does not determine says nothing, however far its estimate is.
+// A direction that the segment does not determine says nothing, however far its estimate is.
 TEST(Agreement, UndeterminedDirectionsDoNotCount) {
   const Camera lens = ordinaryCameras()[0];
-  Evidence evidence;
-  evidence.point = lens.parameters();
-  evidence.gradient = Intrinsics::Zero(4);
-  evidence.information = IntrinsicsMatrix::Zero(4, 4);
-  evidence.information(0, 0) = 4.0;
-  evidence.gradient(0) = 4.0 * 1.0;  // fx one pixel larger, sigma 1/2
+  QuadraticLikelihood likelihood;
+  likelihood.point = lens.parameters();
+  likelihood.gradient = Intrinsics::Zero(4);
+  likelihood.information = IntrinsicsMatrix::Zero(4, 4);
+  likelihood.information(0, 0) = 4.0;
+  likelihood.gradient(0) = 4.0 * 1.0;  // fx one pixel larger, sigma 1/2
   const Reference reference{lens, IntrinsicsMatrix::Identity(4, 4) * 4.0, Scatter()};
-  EXPECT_NEAR(agreement({evidence}, reference).statistic, 1.0 / (0.25 + 0.25), 1e-9);
-  EXPECT_NEAR(compromise({evidence}, reference)(0), lens.parameters()(0) + 0.5, 1e-9);
+  EXPECT_NEAR(agreement({likelihood}, reference).statistic, 1.0 / (0.25 + 0.25), 1e-9);
+  EXPECT_NEAR(compromise({likelihood}, reference)(0), lens.parameters()(0) + 0.5, 1e-9);
 }
 
-// Two stretches that scatter by more than chance tell their variance but roughly.
-TEST(Agreement, ScatterOfTwoStretchesHidesNoLargeChange) {
+// Two segments that scatter by more than chance tell their variance but roughly.
+TEST(Agreement, ScatterOfTwoSegmentsHidesNoLargeChange) {
   const Camera lens = ordinaryCameras()[0];
   const Reference reference{lens, IntrinsicsMatrix::Identity(4, 4), Scatter{20.0, 4}};
   EXPECT_GT(fExceedance(60.0, 4, 4), 1e-4);

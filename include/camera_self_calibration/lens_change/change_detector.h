@@ -29,8 +29,8 @@ struct ChangeVerdict {
   Camera camera;                  ///< kChange, kDrift: the estimate for what is seen now.
   IntrinsicsMatrix information;   ///< Of `camera`, n_c x n_c.
   double excess = 0.0;            ///< kChange by the newest window: its statistic per observation.
-  Segment segment;                ///< kChange: the newest stretch, solved; may begin earlier.
-  std::vector<Candidate> recent;  ///< kChange, kDrift: disjoint stretches after the change.
+  Segment segment;                ///< kChange: the newest segment, solved; may begin earlier.
+  std::vector<Candidate> recent;  ///< kChange, kDrift: disjoint segments after the change.
   std::vector<std::int64_t> stale;  ///< kDrift: sequences of the queue's segments to retire.
   std::string reason;               ///< In words, but for kSame.
 };
@@ -66,9 +66,9 @@ class ChangeDetector {
   ChangeVerdict examineUnfinished(const Segment& window, const Candidate& candidate,
                                   const Reference& reference);
 
-  /// The newest disjoint stretches that fit a lens as well as the queue's segments and share no
+  /// The newest disjoint segments that fit a lens as well as the queue's segments and share no
   /// moment with them.
-  std::vector<Evidence> stretchesBeside(const SegmentQueue& queue) const;
+  std::vector<QuadraticLikelihood> segmentsBeside(const SegmentQueue& queue) const;
 
   /// Forgets what was seen, at the beginning of an epoch.
   void reset() {
@@ -83,9 +83,9 @@ class ChangeDetector {
  private:
   static constexpr double kDoubt = 1e-2;  // p-value below which nothing enters the queue
 
-  struct Stretch {
+  struct RememberedSegment {
     Candidate candidate;
-    Evidence evidence;
+    QuadraticLikelihood likelihood;
   };
 
   static std::string withP(const char* text, double p_value);
@@ -99,10 +99,10 @@ class ChangeDetector {
   ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
   ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
                               const Reference& reference) const;
-  // In slow_change.cpp: the newest stretches.
-  bool isNewStretch(std::int64_t begin_ns) const;  // shares nothing with those remembered
-  void remember(const Candidate& candidate, const Evidence& evidence);
-  std::vector<Evidence> allStretches(const SegmentQueue& queue) const;
+  // In slow_change.cpp: the newest segments.
+  bool isNewSegment(std::int64_t begin_ns) const;  // shares nothing with those remembered
+  void remember(const Candidate& candidate, const QuadraticLikelihood& likelihood);
+  std::vector<QuadraticLikelihood> allSegments(const SegmentQueue& queue) const;
   ChangeVerdict examineRecent(const SegmentQueue& queue) const;
   ChangeVerdict examineStep(const SegmentQueue& queue) const;
   ChangeVerdict explain(const Reference& reference, double p_value,
@@ -112,9 +112,9 @@ class ChangeDetector {
   double interval_s_ = 0.3;  // between keyframes, running mean
   std::int64_t last_stamp_ns_ = 0;
   double usual_residual_scale_ = 1.0;
-  std::deque<Stretch> recent_;  // disjoint, in the order of time
-  bool in_doubt_ = false;       // what the newest keyframe said
-  int findings_ = 0;            // keyframes in a row that found the lens `found_`
+  std::deque<RememberedSegment> recent_;  // disjoint, in the order of time
+  bool in_doubt_ = false;                 // what the newest keyframe said
+  int findings_ = 0;                      // keyframes in a row that found the lens `found_`
   Camera found_;
 };
 

@@ -14,7 +14,7 @@ struct CandidateOutlook {
   /// The best score that it can have as a candidate: with all tracks, and the tracker's own sigmas.
   SegmentScore best;
   /// At the given intrinsics, with the sigmas that explain the residuals there.
-  Evidence evidence;
+  QuadraticLikelihood likelihood;
   double sigma_scale = 1.0;  ///< Of these sigmas, against the tracker's own; at least 1.
 };
 
