@@ -48,7 +48,7 @@ BackEnd::BackEnd(const Options& options, const Camera& camera, const Counters& c
 bool BackEnd::restore(const LearntState& state) {
   const Camera& own = state_.known.camera;
   const bool same_model = options_.choose_model || state.camera.model() == own.model();
-  if (state_.phase == Phase::kHeld || !state.problems().empty() || !same_model ||
+  if (state_.phase != Phase::kNothingKnown || !state.problems().empty() || !same_model ||
       state.camera.width() != own.width() || state.camera.height() != own.height()) {
     return false;
   }
@@ -63,7 +63,7 @@ bool BackEnd::restore(const LearntState& state) {
   if (!queue.solution().usable) return false;
   state_.shutter = std::move(shutter);
   state_.queue = std::move(queue);
-  state_.phase = Phase::kRestored;
+  advance(PhaseTrigger::kRestored);
   state_.stamp_ns = state.stamp_ns;
   state_.keyframes = state.keyframes;
   state_.counters = {std::max(state_.counters.revision, state.revision), state.epoch};

@@ -12,10 +12,12 @@ Phase after(Phase phase, PhaseTrigger trigger) {
       return isStarting(phase) ? Phase::kQueueLeads : phase;
     case PhaseTrigger::kQueueReady:
       return isStarting(phase) ? Phase::kHandedOver : phase;
+    case PhaseTrigger::kRestored:
+      return phase == Phase::kNothingKnown ? Phase::kRestored : phase;
     case PhaseTrigger::kConfirmed:
       return phase == Phase::kRestored ? Phase::kHandedOver : phase;
     case PhaseTrigger::kLensChanged:
-      return phase == Phase::kHeld ? phase : Phase::kNothingKnown;
+      return isStarting(phase) || phase == Phase::kHandedOver ? Phase::kNothingKnown : phase;
   }
   return phase;
 }

@@ -68,7 +68,7 @@ TEST(LensWatch, HoldsWindowsAgainstTheQueueAfterHandover) {
 
 TEST(LensWatch, BeforeHandoverHoldsThemAgainstWhatTheBatchSaidBefore) {
   const Camera other = zoomed(lens(), 1.1);
-  const Seen first = seenThrough(other, 11);
+  const Seen first = seenThrough(other, 12);
   LensWatch watch(0.1);
   EXPECT_EQ(verdictOn(&watch, first, false), ChangeVerdict::Kind::kSame) << "nothing is known";
   const Startup startup = knowing();

@@ -14,15 +14,15 @@ using Trigger = PhaseTrigger;
 
 constexpr Phase kPhases[] = {Phase::kHeld,         Phase::kRestored,   Phase::kNothingKnown,
                              Phase::kStartupLeads, Phase::kQueueLeads, Phase::kHandedOver};
-constexpr Trigger kTriggers[] = {Trigger::kUninformed,  Trigger::kStartupBetter,
-                                 Trigger::kQueueBetter, Trigger::kQueueReady,
-                                 Trigger::kConfirmed,   Trigger::kLensChanged};
+constexpr Trigger kTriggers[] = {
+    Trigger::kUninformed, Trigger::kStartupBetter, Trigger::kQueueBetter, Trigger::kQueueReady,
+    Trigger::kRestored,   Trigger::kConfirmed,     Trigger::kLensChanged};
 
 // Every transition there is; whatever is not listed leaves the phase as it is.
 TEST(Phase, HasTheseTransitionsAndNoOthers) {
   std::map<std::pair<Phase, Trigger>, Phase> table = {
       {{Phase::kRestored, Trigger::kConfirmed}, Phase::kHandedOver},
-      {{Phase::kRestored, Trigger::kLensChanged}, Phase::kNothingKnown},
+      {{Phase::kNothingKnown, Trigger::kRestored}, Phase::kRestored},
       {{Phase::kHandedOver, Trigger::kLensChanged}, Phase::kNothingKnown},
   };
   for (const Phase starting : {Phase::kNothingKnown, Phase::kStartupLeads, Phase::kQueueLeads}) {

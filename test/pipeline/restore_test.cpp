@@ -107,6 +107,8 @@ TEST(Restore, AnotherLensIsNoticedAndLearntAnew) {
     std::cout << pixelDistance(before, truth).rms << " px away, after "
               << second.run.record.frames.size() << " frames: " << event.sentence << "\n";
     EXPECT_LE(event.onset_stamp_ns, event.stamp_ns);
+    EXPECT_EQ(event.epoch, 1u);
+    EXPECT_NEAR(event.magnitude_px / pixelDistance(before, truth).rms, 1.0, 0.3);
     const CalibrationReport noticed = second.run.report();
     EXPECT_EQ(noticed.epoch, 1u);
     EXPECT_GT(noticed.revision, state->revision);

@@ -32,7 +32,8 @@ class BackEnd {
   BackEnd(const Options& options, const Camera& camera, const Counters& counters = {});
 
   /// Goes on from a saved queue, solved again, until confirm(). False, and nothing changed, if it
-  /// is of another camera model or image size, or has no solution.
+  /// is of another camera model or image size, or has no solution, or if something is known
+  /// already.
   bool restore(const LearntState& state);
 
   BackEndOutput process(const KeyframeMessage& seen);

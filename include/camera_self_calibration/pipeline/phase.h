@@ -7,7 +7,7 @@ namespace camera_self_calibration {
 /// Whose intrinsics the back end reports and sends to the front end.
 enum class Phase {
   kHeld,          ///< Given ones, which are exact: nothing is learnt.
-  kRestored,      ///< A saved queue's, until new images confirm or contradict them.
+  kRestored,      ///< A saved queue's, until new images confirm it (else it is discarded).
   kNothingKnown,  ///< The startup batch's, which is not informative yet.
   kStartupLeads,  ///< The startup batch's.
   kQueueLeads,    ///< The queue's, which the startup batch may still overtake.
@@ -20,7 +20,8 @@ enum class PhaseTrigger {
   kStartupBetter,  ///< The startup batch tells it best.
   kQueueBetter,    ///< The queue is believed and tells it best.
   kQueueReady,     ///< The queue is good enough to stay: hand-over.
-  kConfirmed,      ///< New images agree with the saved queue.
+  kRestored,       ///< There is a saved queue.
+  kConfirmed,      ///< New images agree with it.
   kLensChanged     ///< What was learnt belongs to another lens.
 };
 
