@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/estimation/gauge.h"
@@ -12,6 +13,7 @@
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/queue/agreement.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -26,6 +28,8 @@ constexpr double kMaxUndescribed = 0.05;
 // changes the likelihood ratio by 0.1.
 constexpr int kMaxIterations = 15;
 constexpr double kSettled = 0.3;
+
+double square(double value) { return value * value; }
 
 struct Lens {
   std::string name;
@@ -111,11 +115,14 @@ double undescribedShare(const Camera& lens, const Camera& present, const ImageFi
   return seen > 0 ? static_cast<double>(refused) / seen : 0.0;
 }
 
-// How far apart two lenses are, less what the uncertainties of both explain, as if these were
-// independent: what the stated uncertainty covers is not counted twice.
-PixelError beyond(const PixelError& distance, const PixelError& one, const PixelError& other) {
-  const double square = distance.rms * distance.rms - one.rms * one.rms - other.rms * other.rms;
-  return square > 0.0 ? PixelError{std::sqrt(square), distance.max} : PixelError();
+// The lens is the better one give or take its uncertainty, so that the expected square error of the
+// present one is that of their distance and of the better one. The stated uncertainty covers a part
+// of it, which is not counted twice.
+PixelError beyond(const PixelError& stated, const PixelError& distance, const PixelError& better) {
+  const auto left = [](double all, double part, double known) {
+    return std::sqrt(std::max(0.0, all * all + part * part - known * known));
+  };
+  return {left(distance.rms, better.rms, stated.rms), left(distance.max, better.max, stated.max)};
 }
 
 PixelError withUndescribed(double share, const PixelError& misfit) {
@@ -136,47 +143,66 @@ int degreesOfFreedom(const Camera& present, const Camera& richer) {
 struct Comparison {
   double p_value = 1.0;  // of so much better a fit by chance
   PixelError misfit;
+  PixelError misfit_observed;
   double undescribed = 0.0;
 };
 
 // What richer lenses are held against.
 struct Present {
   const QueueSolution& solution;
-  const ImageField& field;
+  const SeenImage& image;
   double cost = 0.0;
-  double variance = 1.0;  // by which the segments disagree more than their sigmas say
 };
 
+// How far segments disagree under a lens that was fitted to all of them, to first order.
+Scatter scatterOf(const Marginal& marginal) {
+  Scatter scatter;
+  for (const BlockShare& share : marginal.shares) {
+    scatter.chi_square += squaredDistance(share.gradient, share.information);
+  }
+  const int others = static_cast<int>(marginal.shares.size()) - 1;
+  scatter.freedom = others * static_cast<int>(marginal.information.rows());
+  return scatter;
+}
+
 // Twice the gain in log-likelihood is chi-square distributed if the present model is right: over
-// the variance by which segments disagree, and the design effect of errors that are correlated
-// along tracks.
+// the design effect of errors that are correlated along tracks, and the variance by which segments
+// disagree, that of the richer lens as in an F test, since a model that does not fit makes them
+// disagree too.
+double pValue(double gain, int freedom, const Marginal& richer, const Scatter& scatter) {
+  const double ratio = gain / (std::max(1.0, richer.designEffect()) * square(scatter.inflation()));
+  const int scatter_freedom = scatter.inflationFreedom();
+  return scatter_freedom > 0 ? fExceedance(ratio / freedom, freedom, scatter_freedom)
+                             : chiSquareExceedance(ratio, freedom);
+}
+
 Comparison compare(const Present& present, double significance, int threads, Trial* richer) {
   Comparison result;
   if (!richer->fit(threads)) return result;
   const Camera& now = present.solution.camera;
   const int freedom = degreesOfFreedom(now, richer->camera());
-  const double ratio = 2.0 * (present.cost - richer->cost()) / present.variance;
-  if (!(ratio > chiSquareQuantile(freedom, significance))) return result;
+  const double gain = 2.0 * (present.cost - richer->cost());
+  if (!(gain > chiSquareQuantile(freedom, significance))) return result;
   const Marginal marginal = marginalize(richer->problem(), SolverOptions().huber, threads);
   const auto covariance = marginal.robustCovariance();
   if (!covariance) return result;
-  result.p_value = chiSquareExceedance(ratio / std::max(1.0, marginal.designEffect()), freedom);
-  result.undescribed = undescribedShare(richer->camera(), now, present.field);
-  const PixelError misfit =
-      beyond(pixelDistance(now, richer->camera(), present.field),
-             pixelUncertainty(now, present.solution.covariance, present.field),
-             pixelUncertainty(richer->camera(), present.variance * *covariance, present.field));
-  result.misfit = withUndescribed(result.undescribed, misfit);
+  const Scatter scatter = scatterOf(marginal);
+  const double variance = square(scatter.inflation());
+  result.p_value = pValue(gain, freedom, marginal, scatter);
+  const auto misfit = [&](const ImageField& field) {
+    return beyond(pixelUncertainty(now, present.solution.covariance, field),
+                  pixelDistance(now, richer->camera(), field),
+                  pixelUncertainty(richer->camera(), variance * *covariance, field));
+  };
+  result.undescribed = undescribedShare(richer->camera(), now, present.image.seeing);
+  result.misfit = withUndescribed(result.undescribed, misfit(present.image.seeing));
+  result.misfit_observed = misfit(present.image.observed);
   return result;
 }
 
 }  // namespace
 
 bool LensFitReport::describesImage() const { return undescribed <= kMaxUndescribed; }
-
-PixelError LensFitReport::total(const PixelError& uncertainty) const {
-  return {std::hypot(uncertainty.rms, misfit.rms), std::hypot(uncertainty.max, misfit.max)};
-}
 
 std::string LensFitReport::sentence() const {
   if (!compared) return "";
@@ -190,7 +216,7 @@ std::string LensFitReport::sentence() const {
 
 bool LensFit::consider(std::int64_t keyframes, bool verdict_due,
                        const std::vector<Candidate>& queue, const QueueSolution& solution,
-                       const ImageField& field, int threads) {
+                       const SeenImage& image, int threads) {
   if (keyframes < next_ && !(verdict_due && report_.better.empty())) return false;
   std::vector<std::int64_t> sequences;
   for (const Candidate& candidate : queue) sequences.push_back(candidate.segment.sequence);
@@ -200,9 +226,7 @@ bool LensFit::consider(std::int64_t keyframes, bool verdict_due,
   report_ = LensFitReport();
   report_.compared = true;
   report_.model = toString(solution.camera.model());
-  const double inflation = solution.scatter.inflation();
-  const double cost = Trial(queue, solution.camera).cost();
-  const Present present{solution, field, cost, inflation * inflation};
+  const Present present{solution, image, Trial(queue, solution.camera).cost()};
   double best = options_.significance;
   for (const Lens& lens : yardsticksFor(solution.camera)) {
     Trial richer(queue, lens.camera);
@@ -210,6 +234,7 @@ bool LensFit::consider(std::int64_t keyframes, bool verdict_due,
     if (!(comparison.p_value <= best)) continue;
     best = comparison.p_value;
     report_.misfit = comparison.misfit;
+    report_.misfit_observed = comparison.misfit_observed;
     report_.undescribed = comparison.undescribed;
     report_.better = comparison.misfit.rms > 0.0 ? lens.name : "";
   }

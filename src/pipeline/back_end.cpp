@@ -7,6 +7,7 @@
 #include "camera_self_calibration/pipeline/back_end_report.h"
 #include "camera_self_calibration/pipeline/handover.h"
 #include "camera_self_calibration/queue/candidate_outlook.h"
+#include "camera_self_calibration/queue/observed_area.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -244,8 +245,10 @@ void BackEnd::considerLensFit() {
   const bool verdict_due = state_.health.state != CalibrationState::kConverged &&
                            state_.known.noise.rms <= convergedRms();
   if (state_.lens_fit.consider(state_.keyframes, verdict_due, state_.queue.candidates(),
-                               state_.queue.solution(), state_.field, options_.solver_threads)) {
-    adoptSolution();
+                               state_.queue.solution(), {state_.field, state_.known.observed_area},
+                               options_.solver_threads)) {
+    stateUncertainty();
+    changed_ = true;
   }
 }
 
@@ -274,15 +277,37 @@ void BackEnd::raise(EventType type, const std::string& sentence) {
 }
 
 void BackEnd::adoptStartup(const PixelError& uncertainty) {
-  state_.known = {state_.startup.heldCamera(), state_.startup.covariance(), uncertainty};
+  state_.known = KnownLens();
+  state_.known.camera = state_.startup.heldCamera();
+  state_.known.covariance = state_.startup.covariance();
+  state_.known.noise = uncertainty;
 }
 
 void BackEnd::adoptSolution() {
   state_.queue.setDrift(state_.watch.drift(state_.queue, state_.stamp_ns));
-  state_.known.camera = state_.queue.solution().present();
-  state_.known.covariance = state_.queue.solution().presentCovariance();
-  state_.known.noise = pixelUncertainty(state_.known.camera, state_.known.covariance, state_.field);
+  const QueueSolution& solution = state_.queue.solution();
+  KnownLens& known = state_.known;
+  known.camera = solution.present();
+  known.covariance = solution.presentCovariance();
+  known.cross_validation = crossValidate(solution, state_.field);
+  known.observed_area = observedArea(state_.queue.candidates(), known.camera, state_.field);
+  stateUncertainty();
   changed_ = true;
+}
+
+// All that is known to be wrong with the queue's estimate: noise, halves that disagree, a lens
+// model that does not fit.
+void BackEnd::stateUncertainty() {
+  KnownLens& known = state_.known;
+  const auto noise = [&](const ImageField& field) {
+    return pixelUncertainty(known.camera, known.covariance, field)
+        .scaled(known.cross_validation.inflation());
+  };
+  known.noise = noise(state_.field);
+  known.observed.share = known.observed_area.share() / state_.field.share();
+  known.observed.uncertainty =
+      noise(known.observed_area).inQuadrature(state_.lens_fit.report().misfit_observed);
+  known.observed.unseen_corners = unseenCorners(known.observed_area, state_.field);
 }
 
 // The queue took so many candidates and was solved.

@@ -13,8 +13,11 @@ std::string sentenceOf(const BackEndState& state) {
   const std::string choice = state.model_choice.sentence();
   if (!choice.empty()) sentence += "; " + choice;
   if (isStarting(state.phase)) return sentence;
-  const LensFitReport& fit = state.lens_fit.report();
-  if (fit.compared) sentence += "; " + fit.sentence();
+  for (const std::string& remark :
+       {state.known.cross_validation.sentence(), state.lens_fit.report().sentence(),
+        state.known.observed.unseen_corners}) {
+    if (!remark.empty()) sentence += "; " + remark;
+  }
   const LensDrift& drift = state.queue.solution().drift;
   if (!drift.significant) return sentence;
   return sentence +
@@ -80,6 +83,8 @@ CalibrationReport reportOf(const BackEndState& state) {
     report.queue.segments.push_back(reportOf(candidate));
   }
   report.shutter = state.shutter.report();
+  report.observed = state.known.observed;
+  report.cross_validation = state.known.cross_validation;
   report.lens_fit = state.lens_fit.report();
   report.models = state.model_choice.evidence();
   return report;

@@ -67,7 +67,7 @@ bool BackEnd::restore(const LearntState& state) {
   state_.stamp_ns = state.stamp_ns;
   state_.keyframes = state.keyframes;
   state_.counters = {std::max(state_.counters.revision, state.revision), state.epoch};
-  state_.health.state = state.state;  // CONVERGED is left on a change or a reset only
+  state_.health.state = state.state;  // where the limit for leaving CONVERGED is another one
   state_.outcome.reason = "restored";
   adoptChange(taken);
   return true;

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "camera_self_calibration/camera/plausibility.h"
 #include "self_calibrator_impl.h"
 
 namespace camera_self_calibration {
@@ -41,6 +42,8 @@ void SelfCalibrator::reset(const Camera& start) {
     throw std::invalid_argument("the start must be a valid camera of the model " +
                                 toString(impl_->options.model));
   }
+  const std::string problem = implausibility(start);
+  if (!problem.empty()) throw std::invalid_argument("the start cannot be right: " + problem);
   impl_->requests.restart({start, nullptr});
 }
 

@@ -10,28 +10,13 @@
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/model_choice/held_out.h"
-#include "estimation/sample_segments.h"
+#include "queue/sample_queues.h"
 
 namespace camera_self_calibration {
 namespace {
 
 const Camera kPinhole = camera640(CameraModel::kPinhole, {420, 415, 325, 236});
 const Camera kRadtan = camera640(CameraModel::kRadtan, {400, 404, 315, 243, -0.25, 0.05, 0, 0});
-
-// Stretches of a trajectory one after the other, that share nothing.
-std::vector<Segment> segmentsOf(const Camera& truth, int count) {
-  std::vector<Segment> segments;
-  for (int i = 0; i < count; ++i) {
-    SegmentOptions options;
-    options.camera = truth;
-    options.start_s = 1.0 + 5.0 * i;
-    options.tracks.max_features = 60;
-    options.tracks.pixel_sigma = 0.2;
-    segments.push_back(makeSegment(options, 3).segment);
-    segments.back().sequence = i;
-  }
-  return segments;
-}
 
 Camera as(CameraModel model, const Camera& camera) { return fitCamera(camera, model)->camera; }
 
@@ -52,7 +37,7 @@ double heldOutCost(const std::vector<Segment>& segments, std::size_t out, const 
 }
 
 TEST(HeldOut, IsTheCostUnderTheOthersEstimate) {
-  const std::vector<Segment> segments = segmentsOf(kRadtan, 4);
+  const std::vector<Segment> segments = separateSegments(kRadtan, 4);
   const JointFit fit = fitJointly(segments, kRadtan, 1);
   ASSERT_TRUE(fit.usable);
   const HeldOut held = leaveOneOut(segments, fit.tracks, fit, 2);
@@ -65,7 +50,7 @@ TEST(HeldOut, IsTheCostUnderTheOthersEstimate) {
 }
 
 TEST(HeldOut, AModelThatDoesNotFitPredictsWorse) {
-  const std::vector<Segment> segments = segmentsOf(kRadtan, 3);
+  const std::vector<Segment> segments = separateSegments(kRadtan, 3);
   const JointFit right = fitJointly(segments, kRadtan, 1);
   const JointFit wrong = fitJointly(segments, as(CameraModel::kPinhole, kRadtan), 1);
   ASSERT_TRUE(right.usable && wrong.usable);
@@ -77,7 +62,7 @@ TEST(HeldOut, AModelThatDoesNotFitPredictsWorse) {
 
 TEST(ModelChoice, FindsDistortionThatTheModelLacks) {
   ModelChoice choice{ModelChoiceOptions()};
-  const std::vector<Segment> segments = segmentsOf(kRadtan, 4);
+  const std::vector<Segment> segments = separateSegments(kRadtan, 4);
   const auto camera = choice.consider(40, segments, as(CameraModel::kFov, kRadtan), 1);
   ASSERT_TRUE(camera);
   EXPECT_EQ(camera->model(), CameraModel::kRadtan);
@@ -102,7 +87,8 @@ TEST(ModelChoice, FindsDistortionThatTheModelLacks) {
 TEST(ModelChoice, PrefersTheSimplestThatFits) {
   for (const CameraModel present : {CameraModel::kRadtan, CameraModel::kEquidistant}) {
     ModelChoice choice{ModelChoiceOptions()};
-    const auto camera = choice.consider(40, segmentsOf(kPinhole, 4), as(present, kPinhole), 1);
+    const auto camera =
+        choice.consider(40, separateSegments(kPinhole, 4), as(present, kPinhole), 1);
     ASSERT_TRUE(camera) << toString(present);
     EXPECT_EQ(camera->model(), CameraModel::kPinhole);
   }
@@ -113,7 +99,7 @@ TEST(ModelChoice, DoesNotSwitchWithoutDecisiveEvidence) {
   options.decisive = 1e9;
   ModelChoice choice(options);
   const Camera fov = as(CameraModel::kFov, kRadtan);
-  EXPECT_FALSE(choice.consider(40, segmentsOf(kRadtan, 3), fov, 1));
+  EXPECT_FALSE(choice.consider(40, separateSegments(kRadtan, 3), fov, 1));
   EXPECT_TRUE(choice.settled());
   // Neither does it hide that another is ahead.
   EXPECT_NE(choice.sentence().find("behind"), std::string::npos) << choice.sentence();
@@ -121,7 +107,7 @@ TEST(ModelChoice, DoesNotSwitchWithoutDecisiveEvidence) {
 
 TEST(ModelChoice, NeedsSegmentsThatShareNothing) {
   ModelChoice choice{ModelChoiceOptions()};
-  const std::vector<Segment> segments = segmentsOf(kPinhole, 2);
+  const std::vector<Segment> segments = separateSegments(kPinhole, 2);
   choice.observe(segments[0]);
   choice.observe(segments[0]);  // the same moments again
   EXPECT_FALSE(choice.consider(40, {}, kPinhole, 1));

@@ -73,6 +73,7 @@ class BackEnd {
   void advance(PhaseTrigger trigger) { state_.phase = after(state_.phase, trigger); }
   void adoptStartup(const PixelError& uncertainty);
   void adoptSolution();
+  void stateUncertainty();
   void adoptChange(int taken);
   void clearQueue();
   QueueStart queueStart() const;

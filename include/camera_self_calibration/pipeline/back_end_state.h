@@ -13,7 +13,9 @@
 #include "camera_self_calibration/pipeline/lens_watch.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/phase.h"
+#include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/pipeline/shutter.h"
+#include "camera_self_calibration/queue/cross_validation.h"
 #include "camera_self_calibration/queue/segment_queue.h"
 #include "camera_self_calibration/startup/startup.h"
 
@@ -29,8 +31,13 @@ struct Counters {
 struct KnownLens {
   Camera camera;
   IntrinsicsMatrix covariance;  ///< n_c x n_c; empty until there is an estimate.
-  /// Uncertainty over the part of the image that sees, without any misfit of the model [px].
+  /// Uncertainty over the part of the image that sees, with what halves of the video disagree
+  /// beyond it, without any misfit of the model [px].
   PixelError noise = PixelError::unknown();
+  // Of the queue's estimate only:
+  CrossValidation cross_validation;
+  ImageField observed_area;  ///< Where features were.
+  ObservedReport observed;
 };
 
 /// What became of a keyframe's candidate.
@@ -45,7 +52,7 @@ struct BackEndState {
   BackEndState(const Options& options, const Camera& camera);
 
   /// Of `known`, with the misfit of the model [px].
-  PixelError uncertainty() const { return lens_fit.report().total(known.noise); }
+  PixelError uncertainty() const { return known.noise.inQuadrature(lens_fit.report().misfit); }
 
   Phase phase = Phase::kNothingKnown;
   KnownLens known;
