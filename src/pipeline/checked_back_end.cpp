@@ -14,8 +14,8 @@ CheckedBackEnd::CheckedBackEnd(const Options& options, const Beginning& beginnin
                                const Counters& counters)
     : options_(options), main_(options, beginning.camera, counters) {
   if (!beginning.state || !main_.restore(*beginning.state)) return;
-  // If it turns out to be another lens, this one is the next epoch; the restored estimate is
-  // reported in one revision more until then.
+  // If it turns out to be another lens, what is learnt from now on is the next epoch. Revision
+  // `known + 1` is the restored estimate's.
   const Counters& known = main_.state().counters;
   const Counters next{known.revision + 1, known.epoch + 1};
   fresh_ = std::make_unique<BackEnd>(options, beginning.camera, next);
