@@ -41,19 +41,20 @@ int keyframesBefore(const Segment& window, std::int64_t onset_ns) {
   return count;
 }
 
-double usualResidualScale(const QueueEstimate& queue) {
+double usualResidualScale(const SegmentQueue& queue) {
   std::vector<double> scales;
   for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.residual_scale);
   return std::max(1.0, median(std::move(scales), 1.0));
 }
 
 // What a candidate that contradicts says without the tracks that may feign it.
-std::optional<Evidence> verified(const Evidence& evidence, const Candidate& candidate,
-                                 const Reference& reference) {
-  const auto fitting = evidenceAt(
+std::optional<QuadraticLikelihood> verified(const QuadraticLikelihood& likelihood,
+                                            const Candidate& candidate,
+                                            const Reference& reference) {
+  const auto fitting = likelihoodAt(
       reference.camera, fittingOneLens(candidate.segment, reference.camera), candidate.sigma_scale);
-  const double whole = agreement({evidence}, reference).statistic;
-  return fitting && agreement({*fitting}, reference).statistic < whole ? fitting : evidence;
+  const double whole = agreement({likelihood}, reference).statistic;
+  return fitting && agreement({*fitting}, reference).statistic < whole ? fitting : likelihood;
 }
 
 }  // namespace
@@ -72,33 +73,31 @@ void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
 }
 
 ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& candidate,
-                                      std::int64_t suspected_onset_ns, const QueueEstimate& queue,
-                                      const QueueSolution& solution) {
-  ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue, solution);
+                                      std::int64_t suspected_onset_ns, const SegmentQueue& queue) {
+  ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue);
   const bool by_window = verdict.kind == Kind::kChange && verdict.recent.empty();
   if (verdict.kind != Kind::kChange) {
-    ChangeVerdict step = examineStep(queue, solution);
+    ChangeVerdict step = examineStep(queue);
     if (step.kind == Kind::kChange) verdict = std::move(step);
   }
   in_doubt_ = verdict.kind != Kind::kSame;
-  if (by_window) return confirmed(std::move(verdict), solution.camera);
+  if (by_window) return confirmed(std::move(verdict), queue.solution().camera);
   findings_ = 0;
   return verdict;
 }
 
 std::optional<double> ChangeDetector::clearlySame(const CandidateOutlook& outlook,
                                                   std::int64_t suspected_onset_ns,
-                                                  const QueueEstimate& queue,
-                                                  const QueueSolution& solution) {
-  measureInterval(outlook.evidence.end_ns);
-  if (suspected_onset_ns > 0 || in_doubt_ || isNewStretch(outlook.evidence.begin_ns) ||
+                                                  const SegmentQueue& queue) {
+  measureInterval(outlook.likelihood.end_ns);
+  if (suspected_onset_ns > 0 || in_doubt_ || isNewSegment(outlook.likelihood.begin_ns) ||
       !fitsAsUsual(outlook.sigma_scale, queue)) {
     return std::nullopt;
   }
   const auto reference =
-      referenceWithout(outlook.evidence.begin_ns, outlook.evidence.end_ns, queue, solution);
+      referenceWithout(outlook.likelihood.begin_ns, outlook.likelihood.end_ns, queue);
   if (!reference) return std::nullopt;
-  const double p_value = agreement({outlook.evidence}, *reference).p_value;
+  const double p_value = agreement({outlook.likelihood}, *reference).p_value;
   if (!(p_value > kClearlySame)) return std::nullopt;
   return p_value;
 }
@@ -108,7 +107,7 @@ ChangeVerdict ChangeDetector::examineUnfinished(const Segment& window, const Can
   measureInterval(window.endNs());
   ChangeVerdict verdict;
   const bool comparable = candidate.information.rows() == reference.information.rows();
-  if (comparable && agreement({ownEvidence(candidate)}, reference).p_value < kClearlySame) {
+  if (comparable && agreement({ownLikelihood(candidate)}, reference).p_value < kClearlySame) {
     verdict = examineWindow(window, 0, reference);
   }
   if (verdict.kind == Kind::kChange) return confirmed(std::move(verdict), reference.camera);
@@ -130,16 +129,15 @@ ChangeVerdict ChangeDetector::confirmed(ChangeVerdict verdict, const Camera& bef
 
 ChangeVerdict ChangeDetector::examineKeyframe(const Segment& window, const Candidate& candidate,
                                               std::int64_t suspected_onset_ns,
-                                              const QueueEstimate& queue,
-                                              const QueueSolution& solution) {
+                                              const SegmentQueue& queue) {
   measureInterval(window.endNs());
   usual_residual_scale_ = usualResidualScale(queue);
   ChangeVerdict verdict;
-  const auto reference = referenceWithout(window.beginNs(), window.endNs(), queue, solution);
+  const auto reference = referenceWithout(window.beginNs(), window.endNs(), queue);
   if (!reference || window.keyframes.empty()) return verdict;
   const int earlier = keyframesBefore(window, suspected_onset_ns);
   if (suspected_onset_ns > 0 && earlier > 0) return examineSuspicion(window, earlier, *reference);
-  return examineCandidate(window, candidate, *reference, queue, solution);
+  return examineCandidate(window, candidate, *reference, queue);
 }
 
 ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlier_keyframes,
@@ -159,8 +157,7 @@ ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlie
 
 ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Candidate& candidate,
                                                const Reference& reference,
-                                               const QueueEstimate& queue,
-                                               const QueueSolution& solution) {
+                                               const SegmentQueue& queue) {
   ChangeVerdict verdict;
   if (candidate.information.size() == 0) return verdict;
   if (candidate.residual_scale > kMaxMisfit * usual_residual_scale_) {
@@ -168,28 +165,28 @@ ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Cand
     verdict.reason = "the tracks fit no lens well";
     return verdict;
   }
-  const double own_p_value = agreement({ownEvidence(candidate)}, reference).p_value;
-  if (own_p_value > kClearlySame && !isNewStretch(candidate.segment.beginNs())) {
+  const double own_p_value = agreement({ownLikelihood(candidate)}, reference).p_value;
+  if (own_p_value > kClearlySame && !isNewSegment(candidate.segment.beginNs())) {
     verdict.p_value = own_p_value;
     return verdict;
   }
-  auto evidence =
-      evidenceAt(reference.camera, restarted(candidate.segment, window), candidate.sigma_scale);
-  if (!evidence) return verdict;
-  const bool contradicts = agreement({*evidence}, reference).p_value < kDoubt;
-  if (contradicts) evidence = verified(*evidence, candidate, reference);
-  if (!recent_.empty() && recent_.back().evidence.point.size() != evidence->point.size()) {
+  auto likelihood =
+      likelihoodAt(reference.camera, restarted(candidate.segment, window), candidate.sigma_scale);
+  if (!likelihood) return verdict;
+  const bool contradicts = agreement({*likelihood}, reference).p_value < kDoubt;
+  if (contradicts) likelihood = verified(*likelihood, candidate, reference);
+  if (!recent_.empty() && recent_.back().likelihood.point.size() != likelihood->point.size()) {
     recent_.clear();  // of another lens model
   }
-  const Agreement single = agreement({*evidence}, reference);
+  const Agreement single = agreement({*likelihood}, reference);
   verdict.p_value = single.p_value;
   if (single.p_value < limit()) {
     verdict = examineWindow(window, 0, reference);
     if (verdict.kind != Kind::kSame) return verdict;
   }
-  remember(candidate, *evidence);
+  remember(candidate, *likelihood);
   if (recent_.back().candidate.segment.sequence == candidate.segment.sequence) {
-    const ChangeVerdict pooled = examineRecent(queue, solution);
+    const ChangeVerdict pooled = examineRecent(queue);
     if (pooled.kind != Kind::kSame) return pooled;
   }
   if (verdict.kind == Kind::kSame && contradicts) {

@@ -43,7 +43,7 @@ double costOfOneLens(Segment segment, const Camera& lens, double sigma_scale) {
   return summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
 }
 
-// The stretch with a change after so many keyframes.
+// The segment with a change after so many keyframes.
 struct Changed {
   Segment segment;
   Camera camera;                                          // since then
@@ -66,7 +66,7 @@ Changed solveWithChange(const Changed& start, int earlier_keyframes, const Camer
   return changed;
 }
 
-// Solves the stretch with one lens throughout. Returns the robust cost.
+// Solves the segment with one lens throughout. Returns the robust cost.
 double fitOneLens(Segment* segment, Camera* lens) {
   SegmentFitOptions options;
   options.estimate_intrinsics = false;
@@ -94,12 +94,12 @@ LensChange compare(const Segment& segment, int earlier_keyframes, const Referenc
   const double sigma_scale = fit.marginal.sigmaScale() * inflation;
   change.information = fit.marginal.information / (sigma_scale * sigma_scale);
   const int count = change.camera.estimatedCount();
-  Evidence evidence;
-  evidence.point = change.camera.parameters().head(count);
-  evidence.gradient = Intrinsics::Zero(count);
-  evidence.information = change.information * (inflation * inflation);
-  const double quadratic = agreement({evidence}, reference).statistic;
-  const Intrinsics between = compromise({evidence}, reference);
+  QuadraticLikelihood likelihood;
+  likelihood.point = change.camera.parameters().head(count);
+  likelihood.gradient = Intrinsics::Zero(count);
+  likelihood.information = change.information * (inflation * inflation);
+  const double quadratic = agreement({likelihood}, reference).statistic;
+  const Intrinsics between = compromise({likelihood}, reference);
   const Camera lens = withEstimated(reference.camera, between);
   if (!lens.valid()) return change;
   SegmentBlock block = freeBlock(&change.segment, change.camera);

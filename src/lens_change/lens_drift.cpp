@@ -11,20 +11,20 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr std::size_t kMinStretches = 4;
+constexpr std::size_t kMinSegments = 4;
 // Standard deviations of the relative change over one minute: more is no drift.
 constexpr double kRates[] = {3e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 1e-2};
 // Twice the logarithm of the likelihood ratio: by chance in one of fifty queues.
 constexpr double kSignificant = 4.0;
-constexpr double kSignificantWithout = 2.0;  // any one of the stretches
+constexpr double kSignificantWithout = 2.0;  // any one of the segments
 
-double minutesAgo(const Evidence& stretch, std::int64_t now_ns) {
-  const double middle = 0.5 * (static_cast<double>(stretch.begin_ns - now_ns) +
-                               static_cast<double>(stretch.end_ns - now_ns));
+double minutesAgo(const QuadraticLikelihood& segment, std::int64_t now_ns) {
+  const double middle = 0.5 * (static_cast<double>(segment.begin_ns - now_ns) +
+                               static_cast<double>(segment.end_ns - now_ns));
   return std::max(0.0, -middle / 60e9);
 }
 
-// What a stretch says, from the queue's estimate.
+// What a segment says, from the queue's estimate.
 struct Saying {
   double minutes = 0.0;  // ago
   Eigen::VectorXd gradient;
@@ -33,12 +33,12 @@ struct Saying {
 };
 
 // Newest first.
-std::vector<Saying> sayingsOf(const std::vector<Evidence>& stretches, const Intrinsics& point,
-                              std::int64_t now_ns) {
+std::vector<Saying> sayingsOf(const std::vector<QuadraticLikelihood>& segments,
+                              const Intrinsics& point, std::int64_t now_ns) {
   std::vector<Saying> sayings;
-  for (const Evidence& stretch : stretches) {
-    if (stretch.point.size() != point.size()) continue;
-    Saying saying{minutesAgo(stretch, now_ns), stretch.gradientAt(point), stretch.information};
+  for (const QuadraticLikelihood& segment : segments) {
+    if (segment.point.size() != point.size()) continue;
+    Saying saying{minutesAgo(segment, now_ns), segment.gradientAt(point), segment.information};
     saying.square = squaredDistance(saying.gradient, saying.information);
     sayings.push_back(std::move(saying));
   }
@@ -49,12 +49,12 @@ std::vector<Saying> sayingsOf(const std::vector<Evidence>& stretches, const Intr
 
 struct Fit {
   double misfit = std::numeric_limits<double>::infinity();    // -2 log likelihood
-  double variance = std::numeric_limits<double>::infinity();  // by which the stretches' is larger
+  double variance = std::numeric_limits<double>::infinity();  // by which the segments' is larger
   Eigen::VectorXd now;                                        // from the point
   Eigen::MatrixXd covariance;
 };
 
-// Unknowns: the intrinsics now, then the walk's independent steps back to each stretch, each of
+// Unknowns: the intrinsics now, then the walk's independent steps back to each segment, each of
 // variance 1; `direction` is the change of the intrinsics per relative change of the focal length.
 Fit fitWalk(const std::vector<Saying>& sayings, const Intrinsics& direction, double rate) {
   const auto c = direction.size();
@@ -63,7 +63,7 @@ Fit fitWalk(const std::vector<Saying>& sayings, const Intrinsics& direction, dou
   Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(c + n, c + n);
   Eigen::VectorXd gradient = Eigen::VectorXd::Zero(c + n);
   hessian.diagonal().tail(n).setOnes();
-  Eigen::VectorXd steps = Eigen::VectorXd::Zero(n);  // lengths; those to the stretch
+  Eigen::VectorXd steps = Eigen::VectorXd::Zero(n);  // lengths; those to the segment
   double square = 0.0;
   double minutes = 0.0;
   for (Eigen::Index i = 0; i < n; ++i) {
@@ -90,7 +90,7 @@ Fit fitWalk(const std::vector<Saying>& sayings, const Intrinsics& direction, dou
       scale.asDiagonal() * factor.solve(Eigen::MatrixXd(scale.asDiagonal()));
   const Eigen::VectorXd best = inverse * gradient;
   const double left = std::max(0.0, square - gradient.dot(best));
-  // The factor of all variances that is likeliest, as stretches may disagree in everything.
+  // The factor of all variances that is likeliest, as segments may disagree in everything.
   fit.variance = std::max(1.0, left / freedom);
   fit.misfit = freedom * std::log(fit.variance) + log_determinant + left / fit.variance;
   fit.now = best.head(c);
@@ -98,7 +98,7 @@ Fit fitWalk(const std::vector<Saying>& sayings, const Intrinsics& direction, dou
   return fit;
 }
 
-// A walk that leaves the stretches disagreeing explains nothing.
+// A walk that leaves the segments disagreeing explains nothing.
 bool explains(const Fit& walk) { return walk.variance <= kMaxInflation * kMaxInflation; }
 
 // By how much a walk of this rate is the better explanation; not at all if it is none.
@@ -107,7 +107,7 @@ double evidenceFor(const std::vector<Saying>& sayings, const Intrinsics& directi
   return explains(walk) ? fitWalk(sayings, direction, 0.0).misfit - walk.misfit : 0.0;
 }
 
-// No single stretch may decide: one that shows something that moves is not the lens's.
+// No single segment may decide: one that shows something that moves is not the lens's.
 bool holdsWithoutAny(const std::vector<Saying>& sayings, const Intrinsics& direction, double rate) {
   for (std::size_t i = 0; i < sayings.size(); ++i) {
     std::vector<Saying> others = sayings;
@@ -125,17 +125,18 @@ Intrinsics alongFocalLength(const Intrinsics& point) {
   return direction;
 }
 
-LensDrift estimateDrift(const std::vector<Evidence>& queue, const std::vector<Evidence>& others,
-                        const Camera& camera, std::int64_t now_ns) {
+LensDrift estimateDrift(const std::vector<QuadraticLikelihood>& queue,
+                        const std::vector<QuadraticLikelihood>& others, const Camera& camera,
+                        std::int64_t now_ns) {
   LensDrift drift;
-  if (queue.size() + others.size() < kMinStretches || queue.size() < 2) return drift;
+  if (queue.size() + others.size() < kMinSegments || queue.size() < 2) return drift;
   const Intrinsics point = camera.parameters().head(camera.estimatedCount());
   const Intrinsics direction = alongFocalLength(point);
   const std::vector<Saying> joint = sayingsOf(queue, point, now_ns);
-  std::vector<Evidence> all = queue;
+  std::vector<QuadraticLikelihood> all = queue;
   all.insert(all.end(), others.begin(), others.end());
   const std::vector<Saying> sayings = sayingsOf(all, point, now_ns);
-  if (joint.empty() || sayings.size() < kMinStretches) return drift;
+  if (joint.empty() || sayings.size() < kMinSegments) return drift;
   const Fit still = fitWalk(sayings, direction, 0.0);
   Fit best = still;
   for (const double rate : kRates) {
@@ -160,11 +161,11 @@ LensDrift estimateDrift(const std::vector<Evidence>& queue, const std::vector<Ev
   return drift;
 }
 
-double driftEvidence(const std::vector<Evidence>& stretches, const Camera& camera,
+double driftLikelihoodRatio(const std::vector<QuadraticLikelihood>& segments, const Camera& camera,
                      std::int64_t now_ns) {
   const Intrinsics point = camera.parameters().head(camera.estimatedCount());
   const Intrinsics direction = alongFocalLength(point);
-  const std::vector<Saying> sayings = sayingsOf(stretches, point, now_ns);
+  const std::vector<Saying> sayings = sayingsOf(segments, point, now_ns);
   double most = 0.0;
   for (const double rate : kRates) most = std::max(most, evidenceFor(sayings, direction, rate));
   return most;

@@ -10,18 +10,18 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr std::size_t kMinStretches = 4;
+constexpr std::size_t kMinSegments = 4;
 // Standard deviations of the focal length's relative change.
 constexpr double kSizes[] = {1e-3, 3e-3, 1e-2, 3e-2, 1e-1};
 // Twice the logarithm of the likelihood ratio of a step to a drift.
 constexpr double kClearly = 4.0;
-// p-value of a constant lens that has to be left without any one of the stretches.
+// p-value of a constant lens that has to be left without any one of the segments.
 constexpr double kWithoutAny = 1e-2;
 
 enum class Course { kStep, kRamp };
 
-double middle(const Evidence& stretch) {
-  return 0.5 * (static_cast<double>(stretch.begin_ns) + static_cast<double>(stretch.end_ns));
+double middle(const QuadraticLikelihood& segment) {
+  return 0.5 * (static_cast<double>(segment.begin_ns) + static_cast<double>(segment.end_ns));
 }
 
 // Twice the logarithm of the mean of likelihood ratios, given by their logarithms.
@@ -36,11 +36,12 @@ double meanEvidence(const std::vector<double>& log_ratios) {
 // a constant lens; in the order of time.
 class Courses {
  public:
-  Courses(const std::vector<Evidence>& stretches, const Camera& camera, std::int64_t now_ns);
+  Courses(const std::vector<QuadraticLikelihood>& segments, const Camera& camera,
+          std::int64_t now_ns);
 
-  // Over all beginnings and sizes; not above 0 where all stretches together tell no lens.
+  // Over all beginnings and sizes; not above 0 where all segments together tell no lens.
   double evidenceOf(Course course) const;
-  // Number of stretches before the likeliest step.
+  // Number of segments before the likeliest step.
   std::size_t likeliestStep() const;
 
  private:
@@ -60,27 +61,26 @@ class Courses {
   double freedom_ = 1.0;
 };
 
-Courses::Courses(const std::vector<Evidence>& stretches, const Camera& camera,
+Courses::Courses(const std::vector<QuadraticLikelihood>& segments, const Camera& camera,
                  std::int64_t now_ns) {
   const Intrinsics point = camera.parameters().head(camera.estimatedCount());
   direction_ = alongFocalLength(point);
   gradient_ = Intrinsics::Zero(point.size());
   IntrinsicsMatrix information = IntrinsicsMatrix::Zero(point.size(), point.size());
-  for (const Evidence& stretch : stretches) {
-    ages_.push_back(std::max(0.0, static_cast<double>(now_ns) - middle(stretch)));
-    gradients_.push_back(stretch.gradientAt(point));
-    along_.emplace_back(stretch.information * direction_);
-    information += stretch.information;
+  for (const QuadraticLikelihood& segment : segments) {
+    ages_.push_back(std::max(0.0, static_cast<double>(now_ns) - middle(segment)));
+    gradients_.push_back(segment.gradientAt(point));
+    along_.emplace_back(segment.information * direction_);
+    information += segment.information;
     gradient_ += gradients_.back();
-    left_ += squaredDistance(gradients_.back(), stretch.information);
+    left_ += squaredDistance(gradients_.back(), segment.information);
   }
-  freedom_ =
-      static_cast<double>((static_cast<std::ptrdiff_t>(stretches.size()) - 1) * point.size());
+  freedom_ = static_cast<double>((static_cast<std::ptrdiff_t>(segments.size()) - 1) * point.size());
   covariance_ = covarianceFromInformation(information);
   if (covariance_) left_ = std::max(0.0, left_ - gradient_.dot(*covariance_ * gradient_));
 }
 
-// One for each size, of a change that begins after so many stretches.
+// One for each size, of a change that begins after so many segments.
 std::vector<double> Courses::logRatios(Course course, std::size_t before) const {
   Intrinsics along = Intrinsics::Zero(direction_.size());
   double square = 0.0, slope = 0.0;
@@ -123,30 +123,32 @@ std::size_t Courses::likeliestStep() const {
 }
 
 // Those of the camera's model, in the order of time.
-std::vector<Evidence> inOrder(std::vector<Evidence> stretches, const Camera& camera) {
-  const auto of_other_model = [&](const Evidence& stretch) {
-    return stretch.point.size() != camera.estimatedCount();
+std::vector<QuadraticLikelihood> inOrder(std::vector<QuadraticLikelihood> segments,
+                                         const Camera& camera) {
+  const auto of_other_model = [&](const QuadraticLikelihood& segment) {
+    return segment.point.size() != camera.estimatedCount();
   };
-  stretches.erase(std::remove_if(stretches.begin(), stretches.end(), of_other_model),
-                  stretches.end());
-  std::sort(stretches.begin(), stretches.end(),
-            [](const Evidence& a, const Evidence& b) { return middle(a) < middle(b); });
-  return stretches;
+  segments.erase(std::remove_if(segments.begin(), segments.end(), of_other_model), segments.end());
+  std::sort(segments.begin(), segments.end(),
+            [](const QuadraticLikelihood& a, const QuadraticLikelihood& b) {
+              return middle(a) < middle(b);
+            });
+  return segments;
 }
 
 // Of a random walk or of a ramp, whichever is the likelier.
-double evidenceOfDrift(const Courses& courses, const std::vector<Evidence>& stretches,
+double evidenceOfDrift(const Courses& courses, const std::vector<QuadraticLikelihood>& segments,
                        const Camera& camera, std::int64_t now_ns) {
-  return std::max(courses.evidenceOf(Course::kRamp), driftEvidence(stretches, camera, now_ns));
+  return std::max(courses.evidenceOf(Course::kRamp), driftLikelihoodRatio(segments, camera, now_ns));
 }
 
 double pValueOf(double evidence) { return std::exp(-0.5 * std::max(0.0, evidence)); }
 
-// No single stretch may decide: one that shows something that moves is not the lens's.
-bool holdsWithoutAny(const std::vector<Evidence>& stretches, const Camera& camera,
+// No single segment may decide: one that shows something that moves is not the lens's.
+bool holdsWithoutAny(const std::vector<QuadraticLikelihood>& segments, const Camera& camera,
                      std::int64_t now_ns) {
-  for (std::size_t i = 0; i < stretches.size(); ++i) {
-    std::vector<Evidence> others = stretches;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    std::vector<QuadraticLikelihood> others = segments;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
     const double evidence = Courses(others, camera, now_ns).evidenceOf(Course::kStep);
     if (!(pValueOf(evidence) < kWithoutAny)) return false;
@@ -155,13 +157,14 @@ bool holdsWithoutAny(const std::vector<Evidence>& stretches, const Camera& camer
 }
 
 // What was seen since the step, in all intrinsics.
-void describeNow(const std::vector<Evidence>& stretches, std::size_t before, LensStep* step) {
+void describeNow(const std::vector<QuadraticLikelihood>& segments, std::size_t before,
+                 LensStep* step) {
   const Intrinsics point = step->camera.parameters().head(step->camera.estimatedCount());
   Intrinsics gradient = Intrinsics::Zero(point.size());
   step->information = IntrinsicsMatrix::Zero(point.size(), point.size());
-  for (std::size_t i = before; i < stretches.size(); ++i) {
-    gradient += stretches[i].gradientAt(point);
-    step->information += stretches[i].information;
+  for (std::size_t i = before; i < segments.size(); ++i) {
+    gradient += segments[i].gradientAt(point);
+    step->information += segments[i].information;
   }
   Intrinsics parameters = step->camera.parameters();
   parameters.head(point.size()) +=
@@ -171,32 +174,33 @@ void describeNow(const std::vector<Evidence>& stretches, std::size_t before, Len
 
 }  // namespace
 
-std::optional<LensStep> estimateStep(std::vector<Evidence> stretches, const Camera& camera,
-                                     std::int64_t now_ns, double limit) {
-  stretches = inOrder(std::move(stretches), camera);
-  if (stretches.size() < kMinStretches) return std::nullopt;
-  const Courses courses(stretches, camera, now_ns);
+std::optional<LensStep> estimateStep(std::vector<QuadraticLikelihood> segments,
+                                     const Camera& camera, std::int64_t now_ns, double limit) {
+  segments = inOrder(std::move(segments), camera);
+  if (segments.size() < kMinSegments) return std::nullopt;
+  const Courses courses(segments, camera, now_ns);
   const double evidence = courses.evidenceOf(Course::kStep);
   LensStep step;
   step.p_value = pValueOf(evidence);
   if (!(step.p_value < limit)) return std::nullopt;
-  const double drift = evidenceOfDrift(courses, stretches, camera, now_ns);
-  if (!(evidence - drift > kClearly) || !holdsWithoutAny(stretches, camera, now_ns)) {
+  const double drift = evidenceOfDrift(courses, segments, camera, now_ns);
+  if (!(evidence - drift > kClearly) || !holdsWithoutAny(segments, camera, now_ns)) {
     return std::nullopt;
   }
   const std::size_t before = courses.likeliestStep();
-  step.onset_ns = stretches[before].begin_ns;
+  step.onset_ns = segments[before].begin_ns;
   step.camera = camera;
-  describeNow(stretches, before, &step);
+  describeNow(segments, before, &step);
   if (!step.camera.valid()) return std::nullopt;
   return step;
 }
 
-bool showsDrift(std::vector<Evidence> stretches, const Camera& camera, std::int64_t now_ns) {
-  stretches = inOrder(std::move(stretches), camera);
-  if (stretches.size() < kMinStretches) return false;
-  const Courses courses(stretches, camera, now_ns);
-  const double drift = evidenceOfDrift(courses, stretches, camera, now_ns);
+bool showsDrift(std::vector<QuadraticLikelihood> segments, const Camera& camera,
+                std::int64_t now_ns) {
+  segments = inOrder(std::move(segments), camera);
+  if (segments.size() < kMinSegments) return false;
+  const Courses courses(segments, camera, now_ns);
+  const double drift = evidenceOfDrift(courses, segments, camera, now_ns);
   return drift > kClearly && !(courses.evidenceOf(Course::kStep) - drift > kClearly);
 }
 

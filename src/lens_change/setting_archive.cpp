@@ -14,7 +14,7 @@ constexpr double kDifferent = 0.05;  // p-value
 }  // namespace
 
 void SettingArchive::store(Setting setting) {
-  if (!setting.solution.usable) return;
+  if (!setting.queue.solution().usable) return;
   settings_.push_back(std::move(setting));
   if (settings_.size() > kMaxSettings) settings_.pop_front();
 }
@@ -22,21 +22,21 @@ void SettingArchive::store(Setting setting) {
 std::optional<Setting> SettingArchive::recall(const Camera& camera,
                                               const IntrinsicsMatrix& information,
                                               double max_distance_px) {
-  Evidence evidence;
-  evidence.point = camera.parameters().head(camera.estimatedCount());
-  evidence.gradient = Intrinsics::Zero(evidence.point.size());
-  evidence.information = information;
+  QuadraticLikelihood likelihood;
+  likelihood.point = camera.parameters().head(camera.estimatedCount());
+  likelihood.gradient = Intrinsics::Zero(likelihood.point.size());
+  likelihood.information = information;
   auto nearest = settings_.end();
   double least = max_distance_px;
   for (auto setting = settings_.begin(); setting != settings_.end(); ++setting) {
-    const QueueSolution& solution = setting->solution;
+    const QueueSolution& solution = setting->queue.solution();
     if (solution.camera.model() != camera.model() ||
         solution.information.rows() != information.rows()) {
       continue;
     }
     const double distance = pixelDistance(solution.camera, camera).rms;
     const Reference reference{solution.camera, solution.information, Scatter()};
-    if (!(distance < least) || agreement({evidence}, reference).p_value < kDifferent) continue;
+    if (!(distance < least) || agreement({likelihood}, reference).p_value < kDifferent) continue;
     least = distance;
     nearest = setting;
   }

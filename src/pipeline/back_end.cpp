@@ -1,315 +1,338 @@
 #include "camera_self_calibration/pipeline/back_end.h"
 
-#include <limits>
+#include <string>
+#include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/estimation/entropy.h"
-#include "camera_self_calibration/estimation/marginal.h"
-#include "camera_self_calibration/map/rolling_shutter.h"
+#include "camera_self_calibration/pipeline/back_end_report.h"
+#include "camera_self_calibration/pipeline/handover.h"
+#include "camera_self_calibration/queue/candidate_outlook.h"
 #include "camera_self_calibration/queue/observed_area.h"
 
 namespace camera_self_calibration {
 namespace {
 
-StartupOptions startupOptions(const Options& options) {
-  StartupOptions startup;
-  startup.max_keyframes = options.startup_keyframes;
-  return startup;
-}
-
-std::string drifting(const LensDrift& drift) {
-  return formatted("; the focal length drifts by some %.2g %% a minute", 100.0 * drift.rate);
-}
+// Times the limit of CONVERGED that the batch has to be good to, and an earlier setting near to it,
+// to be the same: what is vague looks like one that is near, and segments of both do not mix.
+constexpr double kSameSetting = 0.4;
 
 }  // namespace
 
-BackEnd::BackEnd(const Options& options, const Camera& camera)
-    : options_(options),
-      model_choice_(ModelChoiceOptions()),
-      lens_fit_(LensFitOptions()),
-      startup_(startupOptions(options), camera),
-      queue_(options.queue_segments, options.alpha, options.score),
-      estimate_(options.solver_threads),
-      detector_(options.false_alarms_per_hour),
-      row_time_(options.readout_s / rowSteps(camera.height()), rowSteps(camera.height())) {
-  report_.camera = camera;
-  report_.uncertainty = PixelError::unknown();
-  report_.entropy = std::numeric_limits<double>::infinity();
-}
-
 BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
-  const std::optional<KeyframeMessage> freed_message = freed(seen);
-  const KeyframeMessage& message = freed_message ? *freed_message : seen;
-  field_ = message.field;
-  BackEndOutput output;
-  report_.stamp_ns = message.candidate.endNs();
-  report_.keyframes = message.keyframes;
-  if (options_.fix_intrinsics) {
-    reportHeldIntrinsics();
-    output.report = report_;
-    return output;
+  see(seen);
+  if (state_.phase != Phase::kHeld) {
+    state_.field = seen.field;
+    const KeyframeMessage message =
+        state_.shutter.freed(seen, state_.known.camera, isInformed(state_.phase));
+    considerModel(message);
+    if (isStarting(state_.phase)) runStartup(message.history);
+    state_.outcome = considerCandidate(message);
+    considerDrift();
+    recallSetting();
+    considerRowTime();
+    considerHandover();
+    considerLensFit();
   }
-  considerModel(message);
-  if (!handed_over_) runStartup(message);
-  if (handed_over_ || follows_queue_ || startup_.tellsLens()) {
-    considerCandidate(message, &output.events);
-  } else {
-    report_.queue.last_decision = "not considered: all keyframes together tell nothing yet";
-  }
-  if (handed_over_) considerDrift();
-  if (!handed_over_) recallSetting(&output.events);
-  considerRowTime();
-  if (!handed_over_) considerHandover(report_.stamp_ns, &output.events);
-  considerLensFit();
-  judge(report_.stamp_ns, &output.events);
-  return finish(std::move(output));
-}
-
-BackEndOutput BackEnd::finish(BackEndOutput output) {
-  fillQueueReport();
-  reportShutter();
-  if (changed_) {
-    ++report_.revision;
-    output.update.emplace();
-    output.update->camera = report_.camera;
-    output.update->generation = report_.revision;
-    output.update->handed_over = handed_over_;
-    output.update->uncertainty_px = report_.uncertainty.rms;
-    output.update->epoch = report_.epoch;
-    output.update->row_time_s = row_time_.inUse();
-    output.update->onset_ns = epoch_onset_ns_;
-    if (!handed_over_ && !follows_queue_) output.update->solution = startup_.segment();
-  }
-  changed_ = false;
-  for (Event& event : output.events) event.epoch = report_.epoch;
-  output.report = report_;
-  return output;
+  judge();
+  return finish();
 }
 
 BackEndOutput BackEnd::hold(const KeyframeMessage& message, const std::string& remark) {
-  BackEndOutput output;
-  if (message.keyframes > 0) {
-    report_.stamp_ns = message.candidate.endNs();
-    report_.keyframes = message.keyframes;
-  }
-  judge(report_.stamp_ns, &output.events);
-  output = finish(std::move(output));
+  see(message);
+  judge();
+  BackEndOutput output = finish();
   output.report.sentence += remark;
+  for (Event& event : output.events) event.sentence += remark;
   return output;
 }
 
-bool BackEnd::restore(const LearntState& state) {
-  const Camera& own = report_.camera;
-  const bool same_model = options_.choose_model || state.camera.model() == own.model();
-  if (!state.problems().empty() || !same_model || state.camera.width() != own.width() ||
-      state.camera.height() != own.height()) {
-    return false;
-  }
-  BackEnd restored = *this;
-  restored.report_.camera = state.camera;
-  restored.report_.state = state.state;  // CONVERGED is left on a change or a reset only
-  restored.report_.stamp_ns = state.stamp_ns;
-  restored.report_.keyframes = state.keyframes;
-  restored.report_.revision = state.revision;
-  restored.report_.epoch = state.epoch;
-  restored.restoreShutter(state);
-  for (const Candidate& candidate : state.segments) {
-    restored.offer(withRowTime(candidate, restored.row_time_.inUse(), state.camera));
-  }
-  restored.handed_over_ = restored.report_.handed_over = true;
-  restored.solveQueue();
-  if (!restored.solution_.usable) return false;
-  restored.report_.queue.last_decision = "restored";
-  *this = restored;
-  return true;
-}
-
-BackEndOutput BackEnd::merge(const std::vector<Candidate>& candidates) {
-  bool accepted = false;
-  for (const Candidate& candidate : candidates) {
-    if (candidate.information.rows() != report_.camera.estimatedCount()) continue;
-    if (offer(withRowTime(candidate, row_time_.inUse(), report_.camera))) accepted = true;
-  }
-  if (accepted) solveQueue();
-  changed_ = true;
-  return hold(KeyframeMessage(), "");
-}
-
-std::shared_ptr<const LearntState> BackEnd::state() const {
-  if (!handed_over_) return nullptr;
-  auto state = std::make_shared<LearntState>();
-  state->camera = report_.camera;
-  state->state = report_.state;
-  state->stamp_ns = report_.stamp_ns;
-  state->keyframes = report_.keyframes;
-  state->revision = report_.revision;
-  state->epoch = report_.epoch;
-  state->row_time_s = row_time_.inUse();
-  if (row_time_.estimate().usable) state->row_time_sigma_s = row_time_.estimate().sigma_s;
-  state->segments = estimate_.candidates();
-  return state;
-}
-
-void BackEnd::reportHeldIntrinsics() {
-  report_.state = CalibrationState::kConverged;
-  report_.sentence = "the intrinsics were given and are held";
-  report_.uncertainty = {0.0, 0.0};
-  report_.handed_over = true;
+void BackEnd::see(const KeyframeMessage& message) {
+  state_.stamp_ns = message.candidate.endNs();
+  state_.keyframes = message.keyframes;
 }
 
 void BackEnd::considerModel(const KeyframeMessage& message) {
-  if (!options_.choose_model || !(handed_over_ || startup_.tellsLens())) return;
-  model_choice_.observe(message.candidate);
+  const bool informed = !isStarting(state_.phase) || state_.startup.isInformative();
+  if (!options_.choose_model || !informed) return;
+  state_.model_choice.observe(message.candidate);
   std::vector<Segment> observed;
-  for (const Candidate& candidate : estimate_.candidates()) {
+  for (const Candidate& candidate : state_.queue.candidates()) {
     const bool restored = candidate.observed.keyframes.empty();
     observed.push_back(restored ? candidate.segment : candidate.observed);
   }
-  const std::optional<Camera> camera =
-      model_choice_.consider(report_.keyframes, observed, report_.camera, options_.solver_threads);
-  report_.models = model_choice_.evidence();
+  const std::optional<Camera> camera = state_.model_choice.consider(
+      state_.keyframes, observed, state_.known.camera, options_.solver_threads);
   if (camera) switchModel(*camera, observed);
 }
 
 // The queue's segments stay, scored anew; if their joint estimate fails, all stays as it was.
 void BackEnd::switchModel(const Camera& camera, const std::vector<Segment>& observed) {
-  BackEnd switched = *this;
-  switched.clearQueue();
-  switched.report_.camera = camera;
-  switched.startup_.switchModel(camera);
+  std::vector<Candidate> candidates;
   for (const Segment& segment : observed) {
-    switched.offer(evaluateCandidate(CandidateOptions(), segment, camera));
+    candidates.push_back(evaluateCandidate(CandidateOptions(), segment, camera));
   }
-  switched.solveQueue();
-  if (handed_over_ && !switched.solution_.usable) return;
-  switched.report_.queue.swaps = report_.queue.swaps;
-  *this = switched;
+  SegmentQueue queue = state_.queue;
+  const int taken = queue.rebuild(candidates, state_.shutter.startFrom(camera));
+  if (!isStarting(state_.phase) && !queue.solution().usable) return;
+  state_.startup.switchModel(camera);
+  clearQueue();
+  state_.queue = std::move(queue);
+  state_.shutter.noteTaken(taken);
+  state_.known = KnownLens();
+  state_.known.camera = camera;
+  if (!isStarting(state_.phase)) adoptSolution();
 }
 
-void BackEnd::clearQueue() {
-  queue_.clear();
-  estimate_.clear();
-  solution_ = QueueSolution();
-  startup_course_.clear();
-  follows_queue_ = false;
-  lens_fit_ = LensFit(LensFitOptions());
+void BackEnd::runStartup(const Segment& history) {
+  state_.startup.add(history);
+  if (state_.startup.usable() &&
+      state_.known.camera.estimatedCount() != state_.startup.camera().estimatedCount()) {
+    clearQueue();  // its segments were scored for another number of parameters
+  }
+  followTheBetter();
 }
 
-bool BackEnd::offer(const Candidate& candidate) {
-  SegmentScore score;
-  score.sequence = candidate.segment.sequence;
-  score.begin_ns = candidate.segment.beginNs();
-  score.end_ns = candidate.segment.endNs();
-  score.entropy = candidate.entropy;
-  score.pixel_rms = candidate.uncertainty.rms;
-  score.information = candidate.information;
-  score.well_posed = candidate.well_posed;
-  const QueueDecision decision = queue_.offer(score, candidate.camera);
-  report_.queue.last_accepted = decision.accepted;
-  report_.queue.last_decision =
-      candidate.well_posed ? decision.reason : "refused: " + candidate.reason;
-  if (!decision.accepted) return false;
-  ++report_.queue.swaps;
-  estimate_.remove(decision.replaced);
-  estimate_.add(candidate);
-  ++swaps_since_row_time_;
-  return true;
+void BackEnd::followTheBetter() {
+  const QueueStanding standing = queueStanding(state_.startup, state_.queue, state_.field);
+  const QueueSolution& solution = state_.queue.solution();
+  if (standing.doubt.empty()) state_.startup.beginNextFrom(solution.camera, solution.covariance);
+  advance(betterEstimate(state_.startup, standing));
+  if (state_.phase == Phase::kQueueLeads) {
+    adoptSolution();
+  } else if (state_.startup.usable()) {
+    // Intrinsics that nothing told would only do harm in front.
+    if (state_.phase == Phase::kStartupLeads) changed_ = true;
+    adoptStartup(standing.startup_uncertainty);
+  }
 }
 
-void BackEnd::solveQueue() {
-  // From where its poses and depths are; before hand-over the report follows the startup batch.
-  const bool known = solution_.usable && solution_.camera.model() == report_.camera.model() &&
-                     solution_.camera.estimatedCount() == report_.camera.estimatedCount();
-  solution_ = estimate_.solve(handed_over_ || !known ? report_.camera : solution_.camera);
-  solution_.addUncertaintyOf(row_time_.estimate(), row_time_.doubt());
-  if (handed_over_ && solution_.usable) adoptSolution();
+CandidateOutcome BackEnd::considerCandidate(const KeyframeMessage& message) {
+  if (!isInformed(state_.phase)) {
+    return {false, "not considered: all keyframes together tell nothing yet"};
+  }
+  if (state_.watch.straddlesChange(message.candidate)) {
+    return {false, "discarded: it straddles the change of the lens"};
+  }
+  if (const auto skipped = canSkipSolve(message)) return *skipped;
+  const Candidate candidate =
+      evaluateCandidate(CandidateOptions(), message.candidate, state_.known.camera);
+  const ChangeVerdict verdict =
+      state_.watch.examine(message, candidate, state_.queue, state_.phase == Phase::kHandedOver);
+  if (isStarting(state_.phase)) {
+    state_.watch.remember(state_.stamp_ns, state_.startup,
+                          startupUncertainty(state_.startup, state_.field), convergedRms());
+  }
+  state_.change_p_value = verdict.p_value;
+  switch (verdict.kind) {
+    case ChangeVerdict::Kind::kSame:
+      return offer(candidate);
+    case ChangeVerdict::Kind::kDoubt:
+    case ChangeVerdict::Kind::kBadData:
+      return {false, "held back: " + verdict.reason};
+    case ChangeVerdict::Kind::kDrift:
+      return followDrift(verdict);
+    case ChangeVerdict::Kind::kChange:
+      return beginLens(verdict);
+  }
+  return {};
 }
 
-void BackEnd::adoptSolution() {
-  solution_.drift = presentDrift();
-  report_.camera = solution_.present();
-  report_.covariance = solution_.presentCovariance();
-  report_.cross_validation = crossValidate(solution_, field_);
-  observed_ = observedArea(estimate_.candidates(), report_.camera, field_);
-  stateUncertainty();
-  report_.entropy = entropy(report_.camera, report_.covariance);
+// Neighbouring windows share all keyframes but one, and most of them stand no chance against what
+// the queue holds of the same time. One that says nothing against the lens either need not be
+// solved.
+std::optional<CandidateOutcome> BackEnd::canSkipSolve(const KeyframeMessage& message) {
+  const CandidateOutlook outlook = outlookOf(message.candidate, state_.known.camera);
+  if (!outlook.usable) return std::nullopt;
+  const QueueDecision decision = state_.queue.consider(outlook.best, state_.known.camera);
+  if (decision.accepted) return std::nullopt;
+  const std::optional<double> p_value =
+      state_.watch.clearlySame(message, outlook, state_.queue, state_.phase == Phase::kHandedOver);
+  if (!p_value) return std::nullopt;
+  state_.change_p_value = *p_value;
+  return CandidateOutcome{false, decision.reason + " (at best: it was not solved)"};
+}
+
+CandidateOutcome BackEnd::offer(const Candidate& candidate) {
+  const QueueDecision decision = state_.queue.offer(candidate, queueStart());
+  if (decision.accepted) adoptChange(1);
+  return {decision.accepted, decision.reason};
+}
+
+CandidateOutcome BackEnd::followDrift(const ChangeVerdict& verdict) {
+  state_.known.camera = verdict.camera;  // where the estimate starts
+  adoptChange(state_.queue.exchange(verdict.stale, verdict.recent, queueStart()));
+  return {false, verdict.reason + ": " + std::to_string(verdict.stale.size()) +
+                     " segments that describe its past were retired"};
+}
+
+// A drifting lens is another one at each keyframe, whether the queue changes or not.
+void BackEnd::considerDrift() {
+  if (state_.phase != Phase::kHandedOver || changed_ || !state_.queue.solution().usable) return;
+  if (state_.queue.solution().drift.significant ||
+      state_.watch.drift(state_.queue, state_.stamp_ns).significant) {
+    adoptSolution();
+  }
+}
+
+void BackEnd::recallSetting() {
+  if (!isStarting(state_.phase) || !state_.startup.usable()) return;
+  const double limit = kSameSetting * convergedRms();
+  if (!(startupUncertainty(state_.startup, state_.field).rms < limit)) return;
+  const std::optional<Setting> setting =
+      state_.settings.recall(state_.startup.camera(), state_.startup.information(), limit);
+  if (!setting) return;
+  state_.queue = setting->queue;
+  advance(PhaseTrigger::kQueueReady);
+  adoptRowTime();  // it may have been learnt since then
+  adoptSolution();
+  raise(EventType::kHandover, "the lens is back at a setting known from epoch " +
+                                  std::to_string(setting->epoch) + ": its queue is in use again");
+}
+
+void BackEnd::considerRowTime() {
+  const bool another = isStarting(state_.phase)
+                           ? state_.shutter.ask(state_.startup)
+                           : state_.shutter.ask(state_.queue, state_.outcome.accepted);
+  if (another) adoptRowTime();
+}
+
+// The queue's segments stay, evaluated anew.
+void BackEnd::adoptRowTime() {
+  const double row_time_s = state_.shutter.rowTime().inUse();
+  if (isStarting(state_.phase)) state_.startup.setRowTime(row_time_s);
+  state_.model_choice.setRowTime(row_time_s, state_.known.camera);
+  state_.watch.forgetWindows();
+  std::vector<Candidate> freed;
+  for (const Candidate& candidate : state_.queue.candidates()) {
+    freed.push_back(state_.shutter.freed(candidate, state_.known.camera));
+  }
+  state_.queue.rebuild(freed, queueStart());
+  state_.shutter.noteFreed();
+  if (isStarting(state_.phase)) {
+    followTheBetter();
+  } else if (state_.queue.solution().usable) {
+    adoptSolution();
+  }
   changed_ = true;
 }
 
-// All that is known to be wrong with the estimate: noise, halves that disagree, a lens model that
-// does not fit.
-void BackEnd::stateUncertainty() {
-  const double inflation = report_.cross_validation.inflation();
-  const auto noise = [&](const ImageField& field) {
-    return pixelUncertainty(report_.camera, report_.covariance, field).scaled(inflation);
-  };
-  report_.lens_fit = lens_fit_.report();
-  noise_ = noise(field_);
-  report_.uncertainty = noise_.inQuadrature(report_.lens_fit.misfit);
-  ObservedReport& observed = report_.observed;
-  observed.share = observed_.share() / field_.share();
-  observed.uncertainty = noise(observed_).inQuadrature(report_.lens_fit.misfit_observed);
-  observed.unseen_corners = unseenCorners(observed_, field_);
+void BackEnd::considerHandover() {
+  if (!isStarting(state_.phase)) return;
+  if (options_.choose_model && !state_.model_choice.settled()) {
+    state_.obstacle = "the lens model is not chosen yet";
+    return;
+  }
+  const HandoverLimits limits{2.0 * convergedRms(), options_.handover_entropy};
+  const QueueStanding standing = queueStanding(state_.startup, state_.queue, state_.field);
+  state_.obstacle = standing.doubt;
+  if (standing.contradicts_startup && standing.startup_uncertainty.rms < limits.pixel_rms) {
+    clearQueue();  // filled from a start that was wrong
+  }
+  if (!state_.obstacle.empty() || !state_.startup.usable()) return;
+  state_.obstacle = shortfall(standing, state_.queue.solution(), limits);
+  if (!state_.obstacle.empty()) return;
+  advance(PhaseTrigger::kQueueReady);
+  adoptSolution();
+  raise(EventType::kHandover,
+        formatted("the calibration now rests on several segments of video (the queue), good to "
+                  "%.2f px rms (limit %.2f px)",
+                  state_.uncertainty().rms, limits.pixel_rms));
 }
 
 // Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.
 void BackEnd::considerLensFit() {
-  if (!handed_over_) return;
-  const bool verdict_due =
-      report_.state != CalibrationState::kConverged && noise_.rms <= convergedRms();
-  if (lens_fit_.consider(report_.keyframes, verdict_due, estimate_.candidates(), solution_,
-                         {field_, observed_}, options_.solver_threads)) {
+  if (isStarting(state_.phase)) return;
+  const bool verdict_due = state_.health.state != CalibrationState::kConverged &&
+                           state_.known.noise.rms <= convergedRms();
+  if (state_.lens_fit.consider(state_.keyframes, verdict_due, state_.queue.candidates(),
+                               state_.queue.solution(), {state_.field, state_.known.observed_area},
+                               options_.solver_threads)) {
     stateUncertainty();
     changed_ = true;
   }
 }
 
-void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
-  HealthEvidence evidence;
-  evidence.keyframes = static_cast<int>(report_.keyframes);
-  const bool by_queue = handed_over_ || follows_queue_;
-  evidence.has_estimate = by_queue || startup_.usable();
-  evidence.handed_over = handed_over_;
-  evidence.information = by_queue ? solution_.information : startup_.information();
-  evidence.uncertainty = report_.uncertainty;
-  evidence.seeing_share = field_.share();
-  evidence.threshold_px = convergedRms();
-  evidence.epoch = report_.epoch;
-  evidence.obstacle = obstacle_;
-  const LensFitReport& fit = report_.lens_fit;
-  if (fit.misfit.rms > noise_.rms) evidence.better_model = fit.better;
-  const bool was_converged = report_.state == CalibrationState::kConverged;
-  const HealthVerdict verdict = judgeHealth(evidence, report_.camera, was_converged);
-  report_.state = verdict.state;
-  report_.sentence = verdict.sentence;
-  const std::string choice = model_choice_.sentence();
-  if (!choice.empty()) report_.sentence += "; " + choice;
-  if (handed_over_) {
-    for (const std::string& remark :
-         {report_.cross_validation.sentence(), fit.sentence(), report_.observed.unseen_corners}) {
-      if (!remark.empty()) report_.sentence += "; " + remark;
-    }
-  }
-  if (handed_over_ && solution_.drift.significant) report_.sentence += drifting(solution_.drift);
-  report_.hint = verdict.hint;
-  if (verdict.state == CalibrationState::kConverged && !was_converged) {
-    events->push_back({EventType::kConverged, stamp_ns, stamp_ns, verdict.sentence});
-  }
+void BackEnd::judge() {
+  state_.health = verdictOn(state_, convergedRms());
+  const bool converged = state_.health.state == CalibrationState::kConverged;
+  if (converged && !converged_told_) raise(EventType::kConverged, state_.health.sentence);
+  converged_told_ = converged;
 }
 
-void BackEnd::fillQueueReport() {
-  report_.queue.segments.clear();
-  for (const Candidate& candidate : estimate_.candidates()) {
-    SegmentReport segment;
-    segment.sequence = candidate.segment.sequence;
-    segment.begin_ns = candidate.segment.beginNs();
-    segment.end_ns = candidate.segment.endNs();
-    segment.entropy = candidate.entropy;
-    segment.keyframes = static_cast<int>(candidate.segment.keyframes.size());
-    segment.landmarks = static_cast<int>(candidate.segment.landmarks.size());
-    segment.observations = static_cast<int>(candidate.segment.observations.size());
-    report_.queue.segments.push_back(segment);
+BackEndOutput BackEnd::finish() {
+  BackEndOutput output;
+  if (changed_) {
+    ++state_.counters.revision;
+    output.update = updateOf(state_);
   }
+  changed_ = false;
+  output.events = std::exchange(events_, {});
+  for (Event& event : output.events) event.epoch = state_.counters.epoch;
+  output.report = reportOf(state_);
+  return output;
+}
+
+void BackEnd::raise(EventType type, const std::string& sentence) {
+  events_.push_back({type, state_.stamp_ns, state_.stamp_ns, sentence});
+}
+
+void BackEnd::adoptStartup(const PixelError& uncertainty) {
+  state_.known = KnownLens();
+  state_.known.camera = state_.startup.heldCamera();
+  state_.known.covariance = state_.startup.covariance();
+  state_.known.noise = uncertainty;
+}
+
+void BackEnd::adoptSolution() {
+  state_.queue.setDrift(state_.watch.drift(state_.queue, state_.stamp_ns));
+  const QueueSolution& solution = state_.queue.solution();
+  KnownLens& known = state_.known;
+  known.camera = solution.present();
+  known.covariance = solution.presentCovariance();
+  known.cross_validation = crossValidate(solution, state_.field);
+  known.observed_area = observedArea(state_.queue.candidates(), known.camera, state_.field);
+  stateUncertainty();
+  changed_ = true;
+}
+
+// All that is known to be wrong with the queue's estimate: noise, halves that disagree, a lens
+// model that does not fit.
+void BackEnd::stateUncertainty() {
+  KnownLens& known = state_.known;
+  const auto noise = [&](const ImageField& field) {
+    return pixelUncertainty(known.camera, known.covariance, field)
+        .scaled(known.cross_validation.inflation());
+  };
+  known.noise = noise(state_.field);
+  known.observed.share = known.observed_area.share() / state_.field.share();
+  known.observed.uncertainty =
+      noise(known.observed_area).inQuadrature(state_.lens_fit.report().misfit_observed);
+  known.observed.unseen_corners = unseenCorners(known.observed_area, state_.field);
+}
+
+// The queue took so many candidates and was solved.
+void BackEnd::adoptChange(int taken) {
+  state_.swaps += taken;
+  state_.shutter.noteTaken(taken);
+  if (!isStarting(state_.phase) && state_.queue.solution().usable) adoptSolution();
+}
+
+void BackEnd::clearQueue() {
+  state_.queue.clear();
+  state_.watch.forgetStartup();
+  state_.lens_fit = LensFit(LensFitOptions());
+  advance(state_.startup.isInformative() ? PhaseTrigger::kStartupBetter
+                                         : PhaseTrigger::kUninformed);
+}
+
+// From where the queue's poses and depths are: before hand-over the camera in use may be the
+// startup batch's.
+QueueStart BackEnd::queueStart() const {
+  const Camera& solved = state_.queue.solution().camera;
+  const bool goes_on = isStarting(state_.phase) && state_.queue.solution().usable &&
+                       solved.model() == state_.known.camera.model() &&
+                       solved.estimatedCount() == state_.known.camera.estimatedCount();
+  return state_.shutter.startFrom(goes_on ? solved : state_.known.camera);
 }
 
 }  // namespace camera_self_calibration

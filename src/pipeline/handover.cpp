@@ -1,10 +1,7 @@
-// From the startup batch to the queue: the part of BackEnd that works until hand-over.
-
-#include <string>
+#include "camera_self_calibration/pipeline/handover.h"
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/estimation/entropy.h"
-#include "camera_self_calibration/pipeline/back_end.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -13,101 +10,70 @@ namespace {
 // beyond which one of them is wrong.
 constexpr double kMaxStartupDistance = 4.0;
 
+std::string doubtOf(const SegmentQueue& queue, const QueueStanding& standing, double distance_px) {
+  const std::size_t segments = queue.candidates().size();
+  const Scatter& scatter = queue.solution().scatter;
+  if (segments < 2 || !queue.solution().usable) {
+    return "two separate segments of video are not there yet";
+  }
+  if (segments < 3 && scatter.inflationFreedom() > 0) {
+    return "the two separate segments disagree: a third has to tell which is right";
+  }
+  if (standing.contradicts_startup) {
+    return formatted(
+        "the separate segments and the whole are %.1f px rms apart, at most %.0f times their "
+        "uncertainty is believed",
+        distance_px, kMaxStartupDistance);
+  }
+  if (scatter.inflation() > kMaxInflation) {
+    return formatted(
+        "the segments disagree by %.1f times their uncertainty, at most %.1f is believed",
+        scatter.inflation(), kMaxInflation);
+  }
+  return "";
+}
+
 }  // namespace
 
-void BackEnd::runStartup(const KeyframeMessage& message) {
-  startup_.add(message.history);
-  if (startup_.usable() && report_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
-    clearQueue();  // its segments were scored for another number of parameters
-  }
-  followTheBetter();
+PixelError startupUncertainty(const Startup& startup, const ImageField& field) {
+  return startup.usable() ? pixelUncertainty(startup.camera(), startup.covariance(), field)
+                          : PixelError::unknown();
 }
 
-// The batch forgets: it begins anew in every map, and in fast motion leaves out the oldest
-// keyframes. The queue does not.
-void BackEnd::followTheBetter() {
-  const QueueStanding queue = queueStanding();
-  const bool believed = queue.doubt.empty();
-  if (believed) startup_.beginNextFrom(solution_.camera, solution_.covariance);
-  follows_queue_ = believed && !(queue.startup_uncertainty.rms <= queue.uncertainty.rms);
-  if (follows_queue_) {
-    adoptSolution();
-  } else if (startup_.usable()) {
-    // Intrinsics that nothing told would only do harm in front.
-    if (startup_.tellsLens()) changed_ = true;
-    adoptStartup(queue.startup_uncertainty);
+QueueStanding queueStanding(const Startup& startup, const SegmentQueue& queue,
+                            const ImageField& field) {
+  const QueueSolution& solution = queue.solution();
+  QueueStanding standing;
+  standing.startup_uncertainty = startupUncertainty(startup, field);
+  if (solution.usable) {
+    standing.uncertainty = pixelUncertainty(solution.camera, solution.covariance, field);
   }
+  double distance_px = 0.0;
+  if (startup.isInformative() && solution.usable) {
+    distance_px = pixelDistance(solution.camera, startup.camera(), field).rms;
+    const double expected = standing.startup_uncertainty.rms + standing.uncertainty.rms;
+    standing.contradicts_startup = !(distance_px <= kMaxStartupDistance * expected);
+  }
+  standing.doubt = doubtOf(queue, standing, distance_px);
+  return standing;
 }
 
-void BackEnd::adoptStartup(const PixelError& uncertainty) {
-  report_.camera = startup_.heldCamera();
-  report_.covariance = startup_.covariance();
-  report_.uncertainty = uncertainty;
-  report_.entropy = entropy(report_.camera, report_.covariance);
+PhaseTrigger betterEstimate(const Startup& startup, const QueueStanding& standing) {
+  if (standing.doubt.empty() && !(standing.startup_uncertainty.rms <= standing.uncertainty.rms)) {
+    return PhaseTrigger::kQueueBetter;
+  }
+  return startup.isInformative() ? PhaseTrigger::kStartupBetter : PhaseTrigger::kUninformed;
 }
 
-PixelError BackEnd::startupUncertainty() const {
-  return startup_.usable() ? pixelUncertainty(startup_.camera(), startup_.covariance(), field_)
-                           : PixelError::unknown();
-}
-
-BackEnd::QueueStanding BackEnd::queueStanding() const {
-  QueueStanding queue;
-  queue.startup_uncertainty = startupUncertainty();
-  if (solution_.usable) {
-    queue.uncertainty = pixelUncertainty(solution_.camera, solution_.covariance, field_);
+std::string shortfall(const QueueStanding& standing, const QueueSolution& solution,
+                      const HandoverLimits& limits) {
+  if (standing.uncertainty.rms < limits.pixel_rms ||
+      entropy(solution.camera, solution.covariance) < limits.entropy) {
+    return "";
   }
-  double distance = 0.0;
-  if (startup_.tellsLens() && solution_.usable) {
-    distance = pixelDistance(solution_.camera, startup_.camera(), field_).rms;
-    const double expected = queue.startup_uncertainty.rms + queue.uncertainty.rms;
-    queue.contradicts_startup = !(distance <= kMaxStartupDistance * expected);
-  }
-  const std::size_t stretches = estimate_.candidates().size();
-  if (stretches < 2 || !solution_.usable) {
-    queue.doubt = "two separate stretches of video are not there yet";
-  } else if (stretches < 3 && solution_.scatter.inflationFreedom() > 0) {
-    queue.doubt = "the two separate stretches disagree: a third has to tell which is right";
-  } else if (queue.contradicts_startup) {
-    queue.doubt = formatted(
-        "the separate stretches and the whole are %.1f px rms apart, at most %.0f times their "
-        "uncertainty is believed",
-        distance, kMaxStartupDistance);
-  } else if (solution_.scatter.inflation() > kMaxInflation) {
-    queue.doubt = formatted(
-        "the stretches disagree by %.1f times their uncertainty, at most %.1f is believed",
-        solution_.scatter.inflation(), kMaxInflation);
-  }
-  return queue;
-}
-
-void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events) {
-  if (options_.choose_model && !model_choice_.settled()) {
-    obstacle_ = "the lens model is not chosen yet";
-    return;
-  }
-  const double threshold = 2.0 * convergedRms();
-  const QueueStanding queue = queueStanding();
-  obstacle_ = queue.doubt;
-  if (queue.contradicts_startup && queue.startup_uncertainty.rms < threshold) {
-    clearQueue();  // filled from a start that was wrong
-  }
-  if (!obstacle_.empty() || !startup_.usable()) return;
-  if (!(queue.uncertainty.rms < threshold ||
-        entropy(solution_.camera, solution_.covariance) < options_.handover_entropy)) {
-    obstacle_ = formatted(
-        "the stretches of video together are good to %.2f px rms, less than %.2f px is needed",
-        queue.uncertainty.rms, threshold);
-    return;
-  }
-  handed_over_ = true;
-  report_.handed_over = true;
-  adoptSolution();
-  events->push_back(
-      {EventType::kHandover, stamp_ns, stamp_ns,
-       formatted("the calibration now rests on several stretches of video (the queue), good to "
-                 "%.2f px rms (limit %.2f px)",
-                 report_.uncertainty.rms, threshold)});
+  return formatted(
+      "the segments of video together are good to %.2f px rms, less than %.2f px is needed",
+      standing.uncertainty.rms, limits.pixel_rms);
 }
 
 }  // namespace camera_self_calibration

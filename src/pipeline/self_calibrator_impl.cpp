@@ -247,9 +247,11 @@ void SelfCalibrator::Impl::processKeyframe(const KeyframeMessage& message) {
   const std::uint64_t number = message.beginning->number;
   if (number < back_end_beginning) return;  // from before a reset
   if (number > back_end_beginning) {
-    const std::uint64_t revision = back_end ? back_end->revision() : 0;
-    back_end = std::make_unique<CheckedBackEnd>(options, *message.beginning);
-    if (revision > 0) back_end->continueAfter(revision);
+    if (back_end) {
+      back_end->beginAgain(*message.beginning);
+    } else {
+      back_end = std::make_unique<CheckedBackEnd>(options, *message.beginning);
+    }
     back_end_beginning = number;
   }
   if (callbacks.keyframe) callbacks.keyframe(message);

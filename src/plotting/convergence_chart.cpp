@@ -162,7 +162,7 @@ class Chart {
                   scoreColour(scoreShare(segments[i], report_.queue)));
     }
     sheet_.outline(panel, colours_.grid);
-    title(panel, "queue: " + std::to_string(segments.size()) + " stretches of video", "");
+    title(panel, "queue: " + std::to_string(segments.size()) + " segments of video", "");
     drawScoreScale(panel);
     sheet_.text("time [s]", {panel.x + panel.width, panel.y + panel.height + 28.0}, 6.5,
                 colours_.faint_text, Align::kRight);

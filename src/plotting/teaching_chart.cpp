@@ -90,7 +90,7 @@ cv::Mat drawTeachings(const std::vector<SegmentTeaching>& segments,
                   false};
   sheet.fill(axes.area, colours.panel);
   drawXTicks(axes, true, "time [s]", colours, &sheet);
-  sheet.text("how much larger the error would be without each stretch", {kLeft, 16.0}, 8.0,
+  sheet.text("how much larger the error would be without each segment", {kLeft, 16.0}, 8.0,
              colours.text, Align::kLeft, true);
   drawKey(width - 10.0, colours, &sheet);
   for (int row = 0; row < static_cast<int>(rows); ++row) {

@@ -15,8 +15,8 @@
 namespace camera_self_calibration {
 namespace {
 
-// Evidence of one block at its present state.
-Evidence linearized(const SegmentBlock& block, const Camera& camera) {
+// Of one block at its present state.
+QuadraticLikelihood linearized(const SegmentBlock& block, const Camera& camera) {
   const int count = camera.estimatedCount();
   LinearSegments only(1);
   LinearSegment& linear = only[0];
@@ -31,19 +31,20 @@ Intrinsics estimated(const Camera& camera) {
 }
 
 // Degrees of freedom that the sigmas themselves count for beside the scatter that was seen, which
-// in two stretches alone could be of any size by chance.
+// in two segments alone could be of any size by chance.
 constexpr int kPriorFreedom = 5;
 
 double squared(double value) { return value * value; }
 
 // Sums of gradient and information at the reference, with its inflation.
-Evidence pooled(const std::vector<Evidence>& evidence, const Reference& reference) {
+QuadraticLikelihood pooled(const std::vector<QuadraticLikelihood>& likelihoods,
+                           const Reference& reference) {
   const Intrinsics point = estimated(reference.camera);
-  Evidence sum;
+  QuadraticLikelihood sum;
   sum.point = point;
   sum.gradient.setZero(point.size());
   sum.information.setZero(point.size(), point.size());
-  for (const Evidence& one : evidence) {
+  for (const QuadraticLikelihood& one : likelihoods) {
     if (one.point.size() != point.size()) continue;
     sum.gradient += one.gradientAt(point);
     sum.information += one.information;
@@ -60,15 +61,15 @@ double squaredDistance(const Intrinsics& gradient, const IntrinsicsMatrix& infor
   return gradient.dot(information.completeOrthogonalDecomposition().solve(gradient));
 }
 
-Evidence ownEvidence(const Candidate& candidate) {
+QuadraticLikelihood ownLikelihood(const Candidate& candidate) {
   const int count = candidate.camera.estimatedCount();
   return {candidate.segment.beginNs(), candidate.segment.endNs(),
           candidate.camera.parameters().head(count), Intrinsics::Zero(count),
           candidate.information};
 }
 
-std::optional<Evidence> evidenceAt(const Camera& camera, const Segment& segment,
-                                   double sigma_scale) {
+std::optional<QuadraticLikelihood> likelihoodAt(const Camera& camera, const Segment& segment,
+                                                double sigma_scale) {
   Segment copy = segment;
   Camera held = camera;
   Problem problem{&held, false, {freeBlock(&copy, camera)}};
@@ -77,9 +78,9 @@ std::optional<Evidence> evidenceAt(const Camera& camera, const Segment& segment,
   options.step_tolerance = 1e-4;
   options.cost_tolerance = 1e-5;
   if (!solve(problem, options).usable) return std::nullopt;
-  const Evidence evidence = linearized(problem.blocks[0], camera);
-  if (!evidence.gradient.allFinite() || !evidence.information.allFinite()) return std::nullopt;
-  return evidence;
+  const QuadraticLikelihood likelihood = linearized(problem.blocks[0], camera);
+  if (!likelihood.gradient.allFinite() || !likelihood.information.allFinite()) return std::nullopt;
+  return likelihood;
 }
 
 Segment restarted(const Segment& segment, const Segment& start) {
@@ -102,9 +103,9 @@ Segment restarted(const Segment& segment, const Segment& start) {
 }
 
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
-                                          const QueueEstimate& queue,
-                                          const QueueSolution& solution) {
-  if (!solution.usable || solution.shares.size() != queue.candidates().size()) return std::nullopt;
+                                          const SegmentQueue& queue) {
+  const QueueSolution& solution = queue.solution();
+  if (!solution.usable) return std::nullopt;
   const int count = solution.camera.estimatedCount();
   // Of the rest, at the joint optimum.
   IntrinsicsMatrix information = squared(solution.scatter.inflation()) * solution.information;
@@ -139,8 +140,9 @@ std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t en
   return reference;
 }
 
-Agreement agreement(const std::vector<Evidence>& evidence, const Reference& reference) {
-  const Evidence sum = pooled(evidence, reference);
+Agreement agreement(const std::vector<QuadraticLikelihood>& likelihoods,
+                    const Reference& reference) {
+  const QuadraticLikelihood sum = pooled(likelihoods, reference);
   // (I_o^-1 + I_r^-1)^-1 = I_o - I_o (I_o + I_r)^-1 I_o, and I_o d is the gradient: no inverse of
   // I_o is needed, which may be singular.
   const Eigen::MatrixXd total = sum.information + reference.information;
@@ -158,8 +160,9 @@ Agreement agreement(const std::vector<Evidence>& evidence, const Reference& refe
   return result;
 }
 
-Intrinsics compromise(const std::vector<Evidence>& evidence, const Reference& reference) {
-  const Evidence sum = pooled(evidence, reference);
+Intrinsics compromise(const std::vector<QuadraticLikelihood>& likelihoods,
+                      const Reference& reference) {
+  const QuadraticLikelihood sum = pooled(likelihoods, reference);
   const Eigen::MatrixXd total = sum.information + reference.information;
   const Eigen::VectorXd scale = total.diagonal().unaryExpr(&inverseRoot);
   const Eigen::LDLT<Eigen::MatrixXd> factor(scale.asDiagonal() * total * scale.asDiagonal());

@@ -41,13 +41,13 @@ CandidateOutlook outlookOf(const Segment& segment, const Camera& camera) {
   outlook.best.pixel_rms = (1.0 - kSettlingShare) * pixelUncertainty(camera, *covariance).rms;
   outlook.sigma_scale = marginal.sigmaScale();
   const double weight = 1.0 / (outlook.sigma_scale * outlook.sigma_scale);
-  outlook.evidence = {segment.beginNs(), segment.endNs(), camera.parameters().head(count),
-                      weight * marginal.gradient, weight * marginal.information};
+  outlook.likelihood = {segment.beginNs(), segment.endNs(), camera.parameters().head(count),
+                        weight * marginal.gradient, weight * marginal.information};
   outlook.usable = std::isfinite(outlook.best.entropy) && std::isfinite(outlook.sigma_scale);
   return outlook;
 }
 
-bool fitsAsUsual(double sigma_scale, const QueueEstimate& queue) {
+bool fitsAsUsual(double sigma_scale, const SegmentQueue& queue) {
   std::vector<double> scales;
   for (const Candidate& candidate : queue.candidates()) scales.push_back(candidate.sigma_scale);
   return sigma_scale <= kUsualMisfit * std::max(1.0, median(std::move(scales), 1.0));

@@ -2,126 +2,207 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/estimation/entropy.h"
-#include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
+#include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/queue/agreement.h"
 
 namespace camera_self_calibration {
+
 namespace {
 
-bool overlap(const SegmentScore& a, const SegmentScore& b) {
-  return a.begin_ns <= b.end_ns && b.begin_ns <= a.end_ns;
+constexpr int kSettlingRounds = 2;
+constexpr double kSettled = 0.02;  // of the intrinsics' sigmas, in a step
+
+SolverOptions solverOptions(int threads) {
+  SolverOptions options;
+  options.threads = threads;
+  options.max_iterations = 20;
+  // From warm starts: what is left is the slow settling of outlying tracks, far below a tenth of
+  // the intrinsics' sigma.
+  options.step_tolerance = 1e-2;
+  options.cost_tolerance = 2e-5;
+  options.intrinsics_tolerance = kSettled;
+  return options;
 }
 
-// Both kinds as a logarithm, so that a better one is smaller by a fixed amount.
-double scoreOf(ScoreKind kind, const SegmentScore& segment) {
-  return kind == ScoreKind::kPixel ? std::log(segment.pixel_rms) : segment.entropy;
-}
+// How far a segment's own estimate is from the joint one: twice the rise of its cost, measured and
+// to second order.
+struct Disagreement {
+  double measured = 0.0;
+  double expected = 0.0;
 
-double jointScore(ScoreKind kind, const IntrinsicsMatrix& information, const Camera& camera) {
-  const auto covariance = covarianceFromInformation(information);
-  if (!covariance) return INFINITY;
-  return kind == ScoreKind::kPixel ? std::log(pixelUncertainty(camera, *covariance).rms)
-                                   : entropy(camera, *covariance);
-}
-
-std::string compare(ScoreKind kind, bool accepted, double candidate, const char* with,
-                    double limit) {
-  const bool pixel = kind == ScoreKind::kPixel;
-  return formatted("%s: %s %.*f against %.*f needed to beat %s", accepted ? "accepted" : "refused",
-                   pixel ? "pixel error [px]" : "entropy", pixel ? 4 : 2,
-                   pixel ? std::exp(candidate) : candidate, pixel ? 4 : 2,
-                   pixel ? std::exp(limit) : limit, with);
-}
-
-// The score that a candidate would have to undercut, and the segments that it would replace.
-struct Rival {
-  double score = 0.0;
-  std::vector<std::int64_t> sequences;
-  const char* name = "";
+  double chiSquare() const { return std::max(0.0, std::min(measured, expected)); }
+  // Poses and depths are where they explain the segment far worse than they could with the joint
+  // intrinsics. A segment whose own cost says nothing about them is taken as it is.
+  bool unsettled(double own_cost) const {
+    return measured > 2.0 * expected + 10.0 + 0.02 * own_cost;
+  }
 };
 
-Rival overlappingRival(ScoreKind kind, const std::vector<const SegmentScore*>& overlapping,
-                       const Camera& camera) {
-  Rival rival;
-  if (overlapping.size() == 1) {
-    return {scoreOf(kind, *overlapping.front()),
-            {overlapping.front()->sequence},
-            "the segment that it overlaps"};
-  }
-  rival.name = "the segments that it overlaps, together";
-  IntrinsicsMatrix information = overlapping.front()->information;
-  rival.sequences = {overlapping.front()->sequence};
-  for (std::size_t i = 1; i < overlapping.size(); ++i) {
-    information += overlapping[i]->information;
-    rival.sequences.push_back(overlapping[i]->sequence);
-  }
-  rival.score = jointScore(kind, information, camera);
-  return rival;
+Disagreement disagreement(const Candidate& candidate, const SegmentBlock& block,
+                          const Camera& joint) {
+  const Intrinsics off =
+      (joint.parameters() - candidate.camera.parameters()).head(candidate.information.rows());
+  const double cost = robustCost(block, joint, SolverOptions().huber);
+  return {2.0 * (cost - candidate.cost), off.dot(candidate.information * off)};
 }
 
-Rival worstRival(ScoreKind kind, const std::vector<SegmentScore>& segments) {
-  const auto worst = std::max_element(segments.begin(), segments.end(),
-                                      [kind](const SegmentScore& a, const SegmentScore& b) {
-                                        return scoreOf(kind, a) < scoreOf(kind, b);
-                                      });
-  return {scoreOf(kind, *worst), {worst->sequence}, "the queue's worst segment"};
+SegmentScore scoreOf(const Candidate& candidate) {
+  SegmentScore score;
+  score.sequence = candidate.segment.sequence;
+  score.begin_ns = candidate.segment.beginNs();
+  score.end_ns = candidate.segment.endNs();
+  score.entropy = candidate.entropy;
+  score.pixel_rms = candidate.uncertainty.rms;
+  score.information = candidate.information;
+  score.well_posed = candidate.well_posed;
+  return score;
 }
 
 }  // namespace
 
-std::string toString(ScoreKind kind) { return kind == ScoreKind::kPixel ? "pixel" : "entropy"; }
-
-std::optional<ScoreKind> scoreKindFromString(const std::string& name) {
-  for (const ScoreKind kind : {ScoreKind::kEntropy, ScoreKind::kPixel}) {
-    if (toString(kind) == name) return kind;
-  }
-  return std::nullopt;
+QueueDecision SegmentQueue::consider(const SegmentScore& candidate, const Camera& camera) const {
+  std::vector<SegmentScore> scores;
+  for (const Candidate& segment : candidates_) scores.push_back(scoreOf(segment));
+  return policy_.consider(candidate, scores, camera);
 }
 
-QueueDecision SegmentQueue::consider(const SegmentScore& candidate, const Camera& camera) const {
-  QueueDecision decision;
-  const double score = scoreOf(kind_, candidate);
-  if (!candidate.well_posed || !std::isfinite(score)) {
-    decision.reason = "refused: ill posed";
-    return decision;
-  }
-  std::vector<const SegmentScore*> overlapping;
-  for (const SegmentScore& segment : segments_) {
-    if (overlap(candidate, segment)) overlapping.push_back(&segment);
-  }
-  if (overlapping.empty() && static_cast<int>(segments_.size()) < capacity_) {
-    decision.accepted = true;
-    decision.reason = "accepted: the queue has room and it overlaps no segment";
-    return decision;
-  }
-  const Rival rival = overlapping.empty() ? worstRival(kind_, segments_)
-                                          : overlappingRival(kind_, overlapping, camera);
-  // The entropy is the sum of the logarithms of as many sigmas as there are intrinsics.
-  const double sigmas =
-      kind_ == ScoreKind::kPixel ? 1.0 : static_cast<double>(candidate.information.rows());
-  const double limit = rival.score - sigmas * std::log(1.0 / alpha_);
-  decision.accepted = score < limit;
-  if (decision.accepted) decision.replaced = rival.sequences;
-  decision.reason = compare(kind_, decision.accepted, score, rival.name, limit);
+QueueDecision SegmentQueue::take(const Candidate& candidate) {
+  QueueDecision decision = consider(scoreOf(candidate), candidate.camera);
+  if (!candidate.well_posed) decision.reason = "refused: " + candidate.reason;
+  if (!decision.accepted) return decision;
+  remove(decision.replaced);
+  candidates_.push_back(candidate);
+  own_.push_back(candidate.segment);
   return decision;
+}
+
+QueueDecision SegmentQueue::offer(const Candidate& candidate, const QueueStart& start) {
+  const QueueDecision decision = take(candidate);
+  if (decision.accepted) solve(start);
+  return decision;
+}
+
+int SegmentQueue::takeAll(const std::vector<Candidate>& candidates) {
+  int taken = 0;
+  for (const Candidate& candidate : candidates) taken += take(candidate).accepted;
+  return taken;
+}
+
+int SegmentQueue::offer(const std::vector<Candidate>& candidates, const QueueStart& start) {
+  const int taken = takeAll(candidates);
+  if (taken > 0) solve(start);
+  return taken;
+}
+
+int SegmentQueue::exchange(const std::vector<std::int64_t>& leaving,
+                           const std::vector<Candidate>& candidates, const QueueStart& start) {
+  remove(leaving);
+  const int taken = takeAll(candidates);
+  solve(start);
+  return taken;
+}
+
+int SegmentQueue::rebuild(const std::vector<Candidate>& candidates, const QueueStart& start) {
+  clear();
+  return exchange({}, candidates, start);
+}
+
+void SegmentQueue::clear() {
+  candidates_.clear();
+  own_.clear();
+  scatter_ = Scatter();
+  solution_ = QueueSolution();
 }
 
 void SegmentQueue::remove(const std::vector<std::int64_t>& sequences) {
-  const auto leaves = [&](const SegmentScore& segment) {
-    return std::find(sequences.begin(), sequences.end(), segment.sequence) != sequences.end();
+  const auto leaves = [&](const Candidate& candidate) {
+    return std::find(sequences.begin(), sequences.end(), candidate.segment.sequence) !=
+           sequences.end();
   };
-  segments_.erase(std::remove_if(segments_.begin(), segments_.end(), leaves), segments_.end());
+  for (std::size_t i = candidates_.size(); i-- > 0;) {
+    if (!leaves(candidates_[i])) continue;
+    candidates_.erase(candidates_.begin() + static_cast<std::ptrdiff_t>(i));
+    own_.erase(own_.begin() + static_cast<std::ptrdiff_t>(i));
+  }
 }
 
-QueueDecision SegmentQueue::offer(const SegmentScore& candidate, const Camera& camera) {
-  const QueueDecision decision = consider(candidate, camera);
-  if (!decision.accepted) return decision;
-  remove(decision.replaced);
-  segments_.push_back(candidate);
-  return decision;
+// In a segment that hardly tells poses or depths, as in rotation on the spot, a joint step can
+// throw them where no later step leads back from, and the segment would seem to disagree with the
+// rest. From the solution that it came with, the way is short.
+bool SegmentQueue::settle(Problem* problem) {
+  bool moved = false;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    SegmentBlock& block = problem->blocks[i];
+    const Disagreement now = disagreement(candidates_[i], block, *problem->camera);
+    if (!now.unsettled(candidates_[i].cost)) continue;
+    Segment again = restarted(candidates_[i].segment, own_[i]);
+    Problem alone{problem->camera, false, {block}, {}};
+    alone.blocks[0].segment = &again;
+    if (!camera_self_calibration::solve(alone, solverOptions(1)).usable) continue;
+    if (disagreement(candidates_[i], alone.blocks[0], *problem->camera).measured < now.measured) {
+      candidates_[i].segment = std::move(again);
+      moved = true;
+    }
+  }
+  return moved;
+}
+
+void SegmentQueue::solve(const QueueStart& start) {
+  solution_ = QueueSolution();
+  solution_.camera = start.camera;
+  if (candidates_.empty()) return;
+  Problem problem;
+  problem.camera = &solution_.camera;
+  for (Candidate& candidate : candidates_) {
+    problem.blocks.push_back(freeBlock(&candidate.segment, start.camera));
+    problem.blocks.back().sigma_scale = candidate.sigma_scale;
+  }
+  const SolverOptions options = solverOptions(threads_);
+  SolveSummary summary = camera_self_calibration::solve(problem, options);
+  solution_.iterations = summary.iterations;
+  for (int round = 0; round < kSettlingRounds && summary.usable && settle(&problem); ++round) {
+    summary = camera_self_calibration::solve(problem, options);
+    solution_.iterations += summary.iterations;
+  }
+  setCovariance(problem);
+  solution_.usable = summary.usable && solution_.camera.valid() && solution_.covariance.size() > 0;
+  solution_.addUncertaintyOf(start.row_time, start.row_time_doubt_s);
+}
+
+// Of a problem at its optimum.
+void SegmentQueue::setCovariance(const Problem& problem) {
+  double chi_square = 0.0;
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    chi_square += disagreement(candidates_[i], problem.blocks[i], solution_.camera).chiSquare();
+  }
+  const int freedom = (static_cast<int>(candidates_.size()) - 1) * problem.intrinsicsCount();
+  // One segment alone cannot disagree: what was known of disagreement stays.
+  if (freedom > 0) scatter_ = {chi_square, freedom};
+  solution_.scatter = scatter_;
+  const double inflation = solution_.scatter.inflation();
+  const double variance = inflation * inflation;
+  Marginal marginal =
+      marginalize(problem, solverOptions(threads_).huber, threads_, DepthNoise::kDiscounted);
+  solution_.information = marginal.whole_information / variance;
+  if (const auto covariance = marginal.robustCovariance()) {
+    solution_.covariance = variance * *covariance;
+  }
+  solution_.shares = std::move(marginal.shares);
+}
+
+RowTimeEstimate SegmentQueue::rowTime() const {
+  std::vector<Segment> segments;
+  for (const Candidate& candidate : candidates_) segments.push_back(candidate.segment);
+  std::vector<SegmentBlock> blocks;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    blocks.push_back(freeBlock(&segments[i], solution_.camera));
+    blocks.back().sigma_scale = candidates_[i].sigma_scale * solution_.scatter.inflation();
+  }
+  return estimateRowTime(blocks, solution_.camera, IntrinsicsPrior(), threads_);
 }
 
 }  // namespace camera_self_calibration

@@ -226,16 +226,16 @@ void Diagnostics::queue(Status& status) {
   const std::size_t segments = queue.segments.size();
   std::string last;
   if (!queue.last_decision.empty()) {
-    last = " The newest stretch: " + asSentence(queue.last_decision);
+    last = " The newest segment: " + asSentence(queue.last_decision);
     const bool scored = queue.last_decision.find("entropy") != std::string::npos;
-    if (scored) last += " (The lower its entropy, the more a stretch tells of the lens.)";
+    if (scored) last += " (The lower its entropy, the more a segment tells of the lens.)";
   }
   if (segments == 0) {
     status.summary(DiagnosticStatus::OK,
-                   "No stretch of video has told enough of the lens yet." + last);
+                   "No segment of video has told enough of the lens yet." + last);
   } else {
     status.summary(DiagnosticStatus::OK, "The calibration rests on " + std::to_string(segments) +
-                                             (segments == 1 ? " stretch" : " stretches") +
+                                             (segments == 1 ? " segment" : " segments") +
                                              " of video." + last);
   }
   status.add("segments", queue.segments.size());

@@ -102,7 +102,7 @@ void Startup::resume(const Camera& camera, const IntrinsicsMatrix& information,
   earlier_covariance_ = earlier_covariance;
   setInformation(information);
   usable_ = true;
-  told_ = tellsLens();
+  told_ = isInformative();
   added_ = static_cast<int>(solved.keyframes.size());
 }
 
@@ -115,14 +115,14 @@ void Startup::beginNextFrom(const Camera& camera, const IntrinsicsMatrix& covari
 }
 
 Camera Startup::heldCamera() const {
-  if (tellsLens()) return camera_;
+  if (isInformative()) return camera_;
   Camera trusted = trusted_;
   trusted.setEstimateK3(camera_.estimatedCount() == kMaxIntrinsics);
   return withWeakDirectionsHeld(camera_, information_, trusted,
                                 options_.useless_uncertainty_share * camera_.width());
 }
 
-bool Startup::tellsLens() const {
+bool Startup::isInformative() const {
   return usable_ &&
          whole_image_uncertainty_.rms < options_.useless_uncertainty_share * camera_.width();
 }
@@ -207,8 +207,8 @@ void Startup::judge() {
   residual_scale_ = fit.residual_scale;
   setInformation(fit.marginal);
   usable_ = true;
-  if (fit.unexplained_sigma > 0.0 && tellsLens()) considerK3(gated);
-  told_ = tellsLens();
+  if (fit.unexplained_sigma > 0.0 && isInformative()) considerK3(gated);
+  told_ = isInformative();
   if (told_) {
     trusted_ = camera_;
     options_.growth.prior.mean = camera_.parameters();
@@ -248,7 +248,7 @@ void Startup::setRowTime(double row_time_s) {
 }
 
 RowTimeEstimate Startup::rowTime() const {
-  if (!tellsLens()) return RowTimeEstimate();
+  if (!isInformative()) return RowTimeEstimate();
   Segment segment = gated_;
   return estimateRowTime({freeBlock(&segment, camera_)}, camera_, options_.growth.prior, 1);
 }

@@ -84,7 +84,7 @@ void Startup::adopt(const Trial& trial) {
   judge();
   // What fits the first keyframes better by chance does not fit the others.
   const bool worse = !usable_ || residual_scale_ > before.residual_scale_;
-  if (before.tellsLens() && worse) *this = before;
+  if (before.isInformative() && worse) *this = before;
 }
 
 }  // namespace camera_self_calibration

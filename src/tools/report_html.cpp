@@ -59,7 +59,7 @@ std::string verdictSentence(const Recording& recording) {
          number(report.uncertainty.rms, digits) + " px rms over the image (" +
          number(report.uncertainty.max, digits) + " px at the worst place), from " +
          number(secondsOf(recording), 1) + " s of video of which " +
-         std::to_string(report.queue.segments.size()) + " stretches carry the result.";
+         std::to_string(report.queue.segments.size()) + " segments carry the result.";
 }
 
 std::int64_t observationsOf(const Recording& recording) {
@@ -142,7 +142,7 @@ void addConvergence(const Recording& recording, HtmlPage* page) {
   if (recording.reports.empty()) return;
   const bool batch = !recording.batch.batch.empty();
   page->section("Convergence",
-                batch ? "The queue of the best stretches beside the batch solution of the whole "
+                batch ? "The queue of the best segments beside the batch solution of the whole "
                         "trajectory, solved again from time to time with the same tracks and gates."
                       : "Estimates over the keyframes. Bands are three standard deviations.");
   page->pictures(
@@ -159,8 +159,8 @@ void addTeachings(const Recording& recording, HtmlPage* page) {
   std::vector<std::string> names = camera.parameterNames();
   names.resize(static_cast<std::size_t>(camera.estimatedCount()));
   page->section("What taught what",
-                "The result rests on these stretches of the video alone. The darker, the more the "
-                "error would grow if the stretch were missing.");
+                "The result rests on these segments of the video alone. The darker, the more the "
+                "error would grow if the segment were missing.");
   page->pictures({{drawTeachings(taught, names, secondsOf(recording), 1000, true), ""}});
   std::vector<std::vector<std::string>> rows = {
       {"from [s]", "to [s]", "keyframes", "landmarks", "observations", "error without it"}};

@@ -10,27 +10,28 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kStretches = 12;
-constexpr double kSigma = 0.3;  // [px] of each parameter, per stretch
+constexpr int kSegments = 12;
+constexpr double kSigma = 0.3;  // [px] of each parameter, per segment
 
-// Stretches of 3 s whose fx is off by `offset(time)` from the reference.
+// Segments of 3 s whose fx is off by `offset(time)` from the reference.
 template <typename Offset>
-std::vector<Evidence> stretchesWith(const Camera& lens, const Offset& offset, std::uint64_t seed) {
+std::vector<QuadraticLikelihood> segmentsWith(const Camera& lens, const Offset& offset,
+                                              std::uint64_t seed) {
   Random random(seed);
-  std::vector<Evidence> stretches;
-  for (int i = 0; i < kStretches; ++i) {
-    Evidence stretch;
-    stretch.begin_ns = i * 3000000000LL;
-    stretch.end_ns = stretch.begin_ns + 2000000000LL;
-    stretch.point = lens.parameters();
-    stretch.information = IntrinsicsMatrix::Identity(4, 4) / (kSigma * kSigma);
+  std::vector<QuadraticLikelihood> segments;
+  for (int i = 0; i < kSegments; ++i) {
+    QuadraticLikelihood segment;
+    segment.begin_ns = i * 3000000000LL;
+    segment.end_ns = segment.begin_ns + 2000000000LL;
+    segment.point = lens.parameters();
+    segment.information = IntrinsicsMatrix::Identity(4, 4) / (kSigma * kSigma);
     Intrinsics difference = Intrinsics::Zero(4);
     difference(0) = offset(3.0 * i + 1.0);
     difference.head<2>() += kSigma * random.normal2();
-    stretch.gradient = stretch.information * difference;
-    stretches.push_back(stretch);
+    segment.gradient = segment.information * difference;
+    segments.push_back(segment);
   }
-  return stretches;
+  return segments;
 }
 
 class ChangeCourseTest : public testing::Test {
@@ -45,7 +46,7 @@ class ChangeCourseTest : public testing::Test {
 TEST_F(ChangeCourseTest, AStepIsDatedAndMeasured) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     const auto course =
-        courseOfChange(stretchesWith(
+        courseOfChange(segmentsWith(
                            lens_, [](double t) { return t > 20.0 ? 3.0 : 0.0; }, seed),
                        reference_);
     EXPECT_FALSE(course.gradual) << seed;
@@ -57,7 +58,7 @@ TEST_F(ChangeCourseTest, AStepIsDatedAndMeasured) {
 
 TEST_F(ChangeCourseTest, ARampIsTold) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const auto course = courseOfChange(stretchesWith(
+    const auto course = courseOfChange(segmentsWith(
                                            lens_, [](double t) { return 0.2 * t; }, seed),
                                        reference_);
     EXPECT_TRUE(course.gradual) << seed;
@@ -65,11 +66,11 @@ TEST_F(ChangeCourseTest, ARampIsTold) {
   }
 }
 
-TEST_F(ChangeCourseTest, OfOneStretchIsAStep) {
-  auto stretches = stretchesWith(
+TEST_F(ChangeCourseTest, OfOneSegmentIsAStep) {
+  auto segments = segmentsWith(
       lens_, [](double) { return 2.0; }, 1);
-  stretches.resize(2);
-  const auto course = courseOfChange(stretches, reference_);
+  segments.resize(2);
+  const auto course = courseOfChange(segments, reference_);
   EXPECT_FALSE(course.gradual);
   EXPECT_NEAR(focal(course), 2.0, 4.0 * kSigma);
 }

@@ -11,29 +11,29 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr std::int64_t kNowNs = 61000000000LL;
-constexpr double kSigma = 0.5;  // [px] of fx and fy, per stretch; of cx and cy a half
+constexpr double kSigma = 0.5;  // [px] of fx and fy, per segment; of cx and cy a half
 
 Camera lens() { return ordinaryCameras()[0]; }
 
-// Twelve stretches of 2 s over one minute, whose focal length is off by the share `drift(minutes
+// Twelve segments of 2 s over one minute, whose focal length is off by the share `drift(minutes
 // ago)` from that of lens(); every second one stands in the queue.
 template <typename Drift>
 LensDrift driftOf(const Drift& drift, std::uint64_t seed, double centre_sigma = 0.5 * kSigma) {
   Random random(seed);
-  std::vector<Evidence> queue, others;
+  std::vector<QuadraticLikelihood> queue, others;
   for (int i = 0; i < 12; ++i) {
-    Evidence stretch;
-    stretch.begin_ns = i * 5000000000LL;
-    stretch.end_ns = stretch.begin_ns + 2000000000LL;
-    const double ago = 1e-9 / 60.0 * static_cast<double>(kNowNs - stretch.begin_ns - 1000000000LL);
-    stretch.point = lens().parameters();
-    stretch.point.head<2>() *= 1.0 + drift(ago);
-    stretch.point.head<2>() += kSigma * random.normal2();
-    stretch.point.tail<2>() += centre_sigma * random.normal2();
-    stretch.gradient = Intrinsics::Zero(4);
-    stretch.information = IntrinsicsMatrix::Identity(4, 4) / (kSigma * kSigma);
-    stretch.information.bottomRightCorner<2, 2>() *= 4.0;
-    (i % 2 == 0 ? queue : others).push_back(stretch);
+    QuadraticLikelihood segment;
+    segment.begin_ns = i * 5000000000LL;
+    segment.end_ns = segment.begin_ns + 2000000000LL;
+    const double ago = 1e-9 / 60.0 * static_cast<double>(kNowNs - segment.begin_ns - 1000000000LL);
+    segment.point = lens().parameters();
+    segment.point.head<2>() *= 1.0 + drift(ago);
+    segment.point.head<2>() += kSigma * random.normal2();
+    segment.point.tail<2>() += centre_sigma * random.normal2();
+    segment.gradient = Intrinsics::Zero(4);
+    segment.information = IntrinsicsMatrix::Identity(4, 4) / (kSigma * kSigma);
+    segment.information.bottomRightCorner<2, 2>() *= 4.0;
+    (i % 2 == 0 ? queue : others).push_back(segment);
   }
   return estimateDrift(queue, others, lens(), kNowNs);
 }
@@ -85,17 +85,17 @@ TEST(LensDrift, ManyJumpsAreNoDrift) {
   }
 }
 
-TEST(LensDrift, TooFewStretchesSayNothing) {
+TEST(LensDrift, TooFewSegmentsSayNothing) {
   EXPECT_FALSE(estimateDrift({}, {}, lens(), kNowNs).significant);
-  Evidence stretch;
-  stretch.point = lens().parameters();
-  stretch.gradient = Intrinsics::Zero(4);
-  stretch.information = IntrinsicsMatrix::Identity(4, 4);
-  EXPECT_FALSE(estimateDrift({stretch, stretch}, {stretch}, lens(), kNowNs).significant);
+  QuadraticLikelihood segment;
+  segment.point = lens().parameters();
+  segment.gradient = Intrinsics::Zero(4);
+  segment.information = IntrinsicsMatrix::Identity(4, 4);
+  EXPECT_FALSE(estimateDrift({segment, segment}, {segment}, lens(), kNowNs).significant);
   // Of another model.
-  stretch.point = stretch.gradient = Intrinsics::Zero(5);
-  stretch.information = IntrinsicsMatrix::Identity(5, 5);
-  EXPECT_FALSE(estimateDrift({stretch, stretch, stretch, stretch}, {}, lens(), kNowNs).significant);
+  segment.point = segment.gradient = Intrinsics::Zero(5);
+  segment.information = IntrinsicsMatrix::Identity(5, 5);
+  EXPECT_FALSE(estimateDrift({segment, segment, segment, segment}, {}, lens(), kNowNs).significant);
 }
 
 }  // namespace

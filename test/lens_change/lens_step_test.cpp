@@ -11,55 +11,55 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr std::int64_t kNowNs = 61000000000LL;
-constexpr int kStretches = 12;
-constexpr double kSigma = 0.5;   // [px] of fx and fy, per stretch; of cx and cy a half
+constexpr int kSegments = 12;
+constexpr double kSigma = 0.5;   // [px] of fx and fy, per segment; of cx and cy a half
 constexpr double kLimit = 1e-6;  // what 0.1 false alarms an hour leave to one keyframe's test
 
 Camera lens() { return ordinaryCameras()[0]; }
 
-// Stretches of 2 s, one every 5 s, whose focal length is off by the share `change(seconds)` from
+// Segments of 2 s, one every 5 s, whose focal length is off by the share `change(seconds)` from
 // that of lens().
 template <typename Change>
-std::vector<Evidence> stretchesWith(const Change& change, std::uint64_t seed) {
+std::vector<QuadraticLikelihood> segmentsWith(const Change& change, std::uint64_t seed) {
   Random random(seed);
-  std::vector<Evidence> stretches;
-  for (int i = 0; i < kStretches; ++i) {
-    Evidence stretch;
-    stretch.begin_ns = i * 5000000000LL;
-    stretch.end_ns = stretch.begin_ns + 2000000000LL;
-    stretch.point = lens().parameters();
-    stretch.point.head<2>() *= 1.0 + change(5.0 * i + 1.0);
-    stretch.point.head<2>() += kSigma * random.normal2();
-    stretch.point.tail<2>() += 0.5 * kSigma * random.normal2();
-    stretch.gradient = Intrinsics::Zero(4);
-    stretch.information = IntrinsicsMatrix::Identity(4, 4) / (kSigma * kSigma);
-    stretch.information.bottomRightCorner<2, 2>() *= 4.0;
-    stretches.push_back(stretch);
+  std::vector<QuadraticLikelihood> segments;
+  for (int i = 0; i < kSegments; ++i) {
+    QuadraticLikelihood segment;
+    segment.begin_ns = i * 5000000000LL;
+    segment.end_ns = segment.begin_ns + 2000000000LL;
+    segment.point = lens().parameters();
+    segment.point.head<2>() *= 1.0 + change(5.0 * i + 1.0);
+    segment.point.head<2>() += kSigma * random.normal2();
+    segment.point.tail<2>() += 0.5 * kSigma * random.normal2();
+    segment.gradient = Intrinsics::Zero(4);
+    segment.information = IntrinsicsMatrix::Identity(4, 4) / (kSigma * kSigma);
+    segment.information.bottomRightCorner<2, 2>() *= 4.0;
+    segments.push_back(segment);
   }
-  return stretches;
+  return segments;
 }
 
 template <typename Change>
 int found(const Change& change, int trials, double limit = kLimit) {
   int count = 0;
   for (int seed = 1; seed <= trials; ++seed) {
-    const auto stretches = stretchesWith(change, static_cast<std::uint64_t>(seed));
-    count += estimateStep(stretches, lens(), kNowNs, limit).has_value();
+    const auto segments = segmentsWith(change, static_cast<std::uint64_t>(seed));
+    count += estimateStep(segments, lens(), kNowNs, limit).has_value();
   }
   return count;
 }
 
-// Two stretches after it, and as many as before.
+// Two segments after it, and as many as before.
 TEST(LensStep, IsFoundDatedAndMeasured) {
   for (const int before : {6, 10}) {
     int count = 0, dated = 0;
     for (std::uint64_t seed = 1; seed <= 200; ++seed) {
       const auto change = [&](double t) { return t > 5.0 * before ? 0.01 : 0.0; };
-      const auto step = estimateStep(stretchesWith(change, seed), lens(), kNowNs, kLimit);
+      const auto step = estimateStep(segmentsWith(change, seed), lens(), kNowNs, kLimit);
       if (!step) continue;
       ++count;
       dated += step->onset_ns == before * 5000000000LL;
-      const double after = kStretches - before;
+      const double after = kSegments - before;
       EXPECT_NEAR(step->camera.parameters()(0), 1.01 * lens().parameters()(0),
                   5.0 * kSigma / std::sqrt(after));
       EXPECT_LT(step->p_value, kLimit);
@@ -69,12 +69,12 @@ TEST(LensStep, IsFoundDatedAndMeasured) {
   }
 }
 
-// The order in which stretches are given is not that of time.
+// The order in which segments are given is not that of time.
 TEST(LensStep, DoesNotDependOnTheOrder) {
-  auto stretches = stretchesWith([](double t) { return t > 30.0 ? 0.01 : 0.0; }, 1);
-  const auto step = estimateStep(stretches, lens(), kNowNs, kLimit);
-  std::swap(stretches[1], stretches[9]);
-  const auto again = estimateStep(stretches, lens(), kNowNs, kLimit);
+  auto segments = segmentsWith([](double t) { return t > 30.0 ? 0.01 : 0.0; }, 1);
+  const auto step = estimateStep(segments, lens(), kNowNs, kLimit);
+  std::swap(segments[1], segments[9]);
+  const auto again = estimateStep(segments, lens(), kNowNs, kLimit);
   ASSERT_TRUE(step && again);
   EXPECT_EQ(step->onset_ns, again->onset_ns);
   EXPECT_NEAR(std::log(step->p_value), std::log(again->p_value), 1e-6);
@@ -94,8 +94,8 @@ TEST(LensStep, AConstantLensHasNone) {
   EXPECT_LE(found(none, 300, 0.1), 30);
 }
 
-// In the newest stretch as in any other: one that shows something that moves.
-TEST(LensStep, NoSingleStretchDecides) {
+// In the newest segment as in any other: one that shows something that moves.
+TEST(LensStep, NoSingleSegmentDecides) {
   for (const double when : {1.0, 31.0, 56.0}) {
     EXPECT_EQ(found([&](double t) { return std::abs(t - when) < 1.0 ? 0.03 : 0.0; }, 100), 0);
   }
@@ -106,7 +106,7 @@ template <typename Change>
 int drifting(const Change& change) {
   int count = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    count += showsDrift(stretchesWith(change, seed), lens(), kNowNs);
+    count += showsDrift(segmentsWith(change, seed), lens(), kNowNs);
   }
   return count;
 }
@@ -120,15 +120,15 @@ TEST(LensStep, IsToldFromADrift) {
   }
 }
 
-TEST(LensStep, TooFewStretchesSayNothing) {
-  auto stretches = stretchesWith([](double t) { return t > 5.0 ? 0.01 : 0.0; }, 1);
-  stretches.resize(3);
-  EXPECT_FALSE(estimateStep(stretches, lens(), kNowNs, kLimit));
-  for (Evidence& stretch : stretches) {  // of another model
-    stretch.point = stretch.gradient = Intrinsics::Zero(5);
-    stretch.information = IntrinsicsMatrix::Identity(5, 5);
+TEST(LensStep, TooFewSegmentsSayNothing) {
+  auto segments = segmentsWith([](double t) { return t > 5.0 ? 0.01 : 0.0; }, 1);
+  segments.resize(3);
+  EXPECT_FALSE(estimateStep(segments, lens(), kNowNs, kLimit));
+  for (QuadraticLikelihood& segment : segments) {  // of another model
+    segment.point = segment.gradient = Intrinsics::Zero(5);
+    segment.information = IntrinsicsMatrix::Identity(5, 5);
   }
-  EXPECT_FALSE(estimateStep(stretches, lens(), kNowNs, kLimit));
+  EXPECT_FALSE(estimateStep(segments, lens(), kNowNs, kLimit));
   EXPECT_FALSE(estimateStep({}, lens(), kNowNs, kLimit));
 }
 

@@ -2,66 +2,84 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "lens_change/change_samples.h"
 
 namespace camera_self_calibration {
 namespace {
 
-IntrinsicsMatrix informationOf(const Camera& lens) {
-  IntrinsicsMatrix information =
-      IntrinsicsMatrix::Identity(lens.estimatedCount(), lens.estimatedCount());
-  information.topLeftCorner(4, 4) *= 1.0 / (0.1 * 0.1);
-  for (int i = 4; i < information.rows(); ++i) information(i, i) = 1e8;
-  return information;
+// A queue of two segments that were seen through the lens.
+SegmentQueue queueOf(const Camera& lens) {
+  SegmentQueue queue = roomyQueue();
+  EXPECT_EQ(queue.offer({candidateOf(lens, lens, 1), candidateOf(lens, lens, 2)}, {lens}), 2);
+  EXPECT_TRUE(queue.solution().usable);
+  return queue;
 }
 
-Setting settingOf(const Camera& lens, std::uint64_t epoch) {
-  Setting setting{epoch, SegmentQueue(10, 0.95), QueueEstimate(1), QueueSolution()};
-  setting.solution.usable = true;
-  setting.solution.camera = lens;
-  setting.solution.information = informationOf(lens);
-  return setting;
+const Camera& lens() {
+  static const Camera lens = ordinaryCameras()[1];
+  return lens;
+}
+
+const SegmentQueue& plain() {
+  static const SegmentQueue queue = queueOf(lens());
+  return queue;
+}
+
+// The lens of a queue, with its focal length so many of its sigmas longer.
+Camera longer(const QueueSolution& solution, double sigmas) {
+  Intrinsics parameters = solution.camera.parameters();
+  parameters(0) += sigmas * std::sqrt(1.0 / solution.information(0, 0));
+  return withParameters(solution.camera, parameters);
 }
 
 TEST(SettingArchive, RecallsTheSettingThatReturned) {
-  const Camera lens = ordinaryCameras()[1];
   SettingArchive archive;
-  archive.store(settingOf(lens, 3));
-  archive.store(settingOf(zoomed(lens, 1.1), 4));
-  Camera near = lens;
-  Intrinsics parameters = lens.parameters();
-  parameters(0) += 0.15;  // a sigma of the difference
-  near.setParameters(parameters);
-  const auto found = archive.recall(near, informationOf(lens), 1.0);
+  archive.store({3, plain()});
+  archive.store({4, queueOf(zoomed(lens(), 1.1))});
+  const QueueSolution& solution = plain().solution();
+  const Camera near = longer(solution, 1.0);
+  const auto found = archive.recall(near, solution.information, 1.0);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->epoch, 3u);
-  EXPECT_FALSE(archive.recall(near, informationOf(lens), 1.0)) << "taken out";
+  EXPECT_EQ(found->queue.candidates().size(), 2u);
+  EXPECT_EQ(found->queue.solution().camera.parameters(), solution.camera.parameters());
+  EXPECT_FALSE(archive.recall(near, solution.information, 1.0)) << "taken out";
 }
 
 TEST(SettingArchive, NeverTakesAnotherSettingForIt) {
-  const Camera lens = ordinaryCameras()[1];
   SettingArchive archive;
-  archive.store(settingOf(lens, 3));
+  archive.store({3, plain()});
+  const QueueSolution& solution = plain().solution();
   // Near over the image, but many sigmas away; and far, but not known to be.
-  EXPECT_FALSE(archive.recall(zoomed(lens, 1.004), informationOf(lens), 1.0));
-  EXPECT_FALSE(archive.recall(zoomed(lens, 1.05), 1e-6 * informationOf(lens), 1.0));
+  const Camera near = longer(solution, 10.0);
+  ASSERT_LT(pixelDistance(near, solution.camera).rms, 4.0);
+  EXPECT_FALSE(archive.recall(near, solution.information, 4.0));
+  EXPECT_FALSE(archive.recall(zoomed(lens(), 1.05), 1e-6 * solution.information, 1.0));
 }
 
 TEST(SettingArchive, StaysBounded) {
-  const Camera lens = ordinaryCameras()[1];
+  constexpr int kLenses = 6;
+  std::vector<SegmentQueue> queues;
+  for (int i = 0; i < kLenses; ++i) queues.push_back(queueOf(zoomed(lens(), 1.0 + 0.05 * i)));
   SettingArchive archive;
-  for (std::uint64_t epoch = 0; epoch < 1000; ++epoch) {
-    archive.store(settingOf(zoomed(lens, 1.0 + 0.01 * static_cast<double>(epoch % 20)), epoch));
+  for (std::uint64_t epoch = 0; epoch < 100; ++epoch) {
+    archive.store({epoch, queues[epoch % kLenses]});
   }
   int kept = 0;
-  for (int i = 0; i < 20; ++i) {
-    kept += archive.recall(zoomed(lens, 1.0 + 0.01 * i), informationOf(lens), 0.5).has_value();
+  for (const SegmentQueue& queue : queues) {
+    const QueueSolution& solution = queue.solution();
+    kept += archive.recall(solution.camera, solution.information, 0.5).has_value();
   }
   EXPECT_EQ(kept, 4);
-  Setting unusable = settingOf(lens, 1);
-  unusable.solution.usable = false;
-  archive.store(unusable);
-  EXPECT_FALSE(archive.recall(lens, informationOf(lens), 0.5));
+}
+
+TEST(SettingArchive, KeepsNoQueueWithoutASolution) {
+  SettingArchive archive;
+  archive.store({1, roomyQueue()});
+  const QueueSolution& solution = plain().solution();
+  EXPECT_FALSE(archive.recall(lens(), solution.information, 1e9));
 }
 
 }  // namespace

@@ -26,14 +26,14 @@ Camera as(CameraModel model, const Camera& camera) {
   return fitted;
 }
 
-SolvedQueue queueOf(const Camera& truth, CameraModel model, int count) {
-  return SolvedQueue(separateSegments(truth, count), as(model, truth));
+SegmentQueue queueOf(const Camera& truth, CameraModel model, int count) {
+  return solvedQueue(separateSegments(truth, count), as(model, truth));
 }
 
-LensFitReport fitOf(const SolvedQueue& queue) {
-  EXPECT_TRUE(queue.solution.usable);
+LensFitReport fitOf(const SegmentQueue& queue) {
+  EXPECT_TRUE(queue.solution().usable);
   LensFit fit{LensFitOptions()};
-  EXPECT_TRUE(fit.consider(40, true, queue.estimate.candidates(), queue.solution, {}, 1));
+  EXPECT_TRUE(fit.consider(40, true, queue.candidates(), queue.solution(), {}, 1));
   EXPECT_TRUE(fit.report().compared);
   return fit.report();
 }
@@ -49,12 +49,12 @@ TEST(LensFit, ATrueModelFits) {
 }
 
 TEST(LensFit, FindsTheDistortionThatAPinholeLacks) {
-  const SolvedQueue queue = queueOf(kAlmostPinhole, CameraModel::kPinhole, 4);
+  const SegmentQueue queue = queueOf(kAlmostPinhole, CameraModel::kPinhole, 4);
   const LensFitReport report = fitOf(queue);
   EXPECT_FALSE(report.better.empty());
-  const PixelError error = pixelDistance(queue.solution.camera, kAlmostPinhole);
+  const PixelError error = pixelDistance(queue.solution().camera, kAlmostPinhole);
   EXPECT_NEAR(report.misfit.rms, error.rms, 0.3 * error.rms);
-  const PixelError noise = pixelUncertainty(queue.solution.camera, queue.solution.covariance);
+  const PixelError noise = pixelUncertainty(queue.solution().camera, queue.solution().covariance);
   EXPECT_GT(error.rms, 3.0 * noise.rms);  // what the noise alone states is a lie
   EXPECT_LT(error.rms, 3.0 * noise.inQuadrature(report.misfit).rms);
   EXPECT_NE(report.sentence().find("pinhole is "), std::string::npos) << report.sentence();
@@ -78,10 +78,10 @@ TEST(LensFit, SaysWhereTheImageHasNoRays) {
 }
 
 TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {
-  const SolvedQueue queue = queueOf(kPinhole, CameraModel::kPinhole, 3);
-  const SolvedQueue longer = queueOf(kPinhole, CameraModel::kPinhole, 4);
-  const auto consider = [](LensFit* fit, int keyframes, bool due, const SolvedQueue& seen) {
-    return fit->consider(keyframes, due, seen.estimate.candidates(), seen.solution, {}, 1);
+  const SegmentQueue queue = queueOf(kPinhole, CameraModel::kPinhole, 3);
+  const SegmentQueue longer = queueOf(kPinhole, CameraModel::kPinhole, 4);
+  const auto consider = [](LensFit* fit, int keyframes, bool due, const SegmentQueue& seen) {
+    return fit->consider(keyframes, due, seen.candidates(), seen.solution(), {}, 1);
   };
   LensFit fit{LensFitOptions()};
   EXPECT_EQ(fit.report().sentence(), "");

@@ -85,7 +85,7 @@ TEST(Change, ASecondOneSoonAfterTheFirstIsNoticedToo) {
 }
 
 // Another focal length every eight seconds, which comes while the queue holds two or three
-// stretches or has not taken over at all, even while the first lens is being learnt.
+// segments or has not taken over at all, even while the first lens is being learnt.
 TEST(Change, OneAfterTheOtherIsNoticed) {
   constexpr double kFactors[] = {1.0, 0.9, 1.12, 1.04, 0.88, 0.95};
   constexpr int kChanges = kSanitized ? 2 : 5;
@@ -110,8 +110,8 @@ TEST(Change, OneAfterTheOtherIsNoticed) {
   }
 }
 
-// Its first stretches do not contradict the queue, which takes them in: then the focal length
-// seemed to drift, and no test of the newest stretches against that queue said otherwise.
+// Its first segments do not contradict the queue, which takes them in: then the focal length
+// seemed to drift, and no test of the newest segments against that queue said otherwise.
 TEST(Change, ASmallStepIsNotTakenForADrift) {
   constexpr double kStepS = 30.0;
   ChangingTracks options;

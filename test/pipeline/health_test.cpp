@@ -42,11 +42,11 @@ TEST(Health, InitializesUntilHandover) {
   HealthEvidence early = evidence(3, false, INFINITY);
   EXPECT_EQ(judgeHealth(early, kCamera, false).state, CalibrationState::kInitializing);
   HealthEvidence good = evidence(20, false, 0.3);  // good, but not confirmed by the queue
-  good.obstacle = "the stretches disagree";
+  good.obstacle = "the segments disagree";
   const HealthVerdict verdict = judgeHealth(good, kCamera, false);
   EXPECT_EQ(verdict.state, CalibrationState::kInitializing);
   EXPECT_NE(verdict.sentence.find("0.30 px"), std::string::npos) << verdict.sentence;
-  EXPECT_NE(verdict.sentence.find("the stretches disagree"), std::string::npos);
+  EXPECT_NE(verdict.sentence.find("the segments disagree"), std::string::npos);
   EXPECT_FALSE(verdict.hint.empty());
 }
 

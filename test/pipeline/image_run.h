@@ -16,7 +16,7 @@
 
 namespace camera_self_calibration {
 
-/// A calibrator, inline, fed with images as a script wants them: rendered along stretches of a
+/// A calibrator, inline, fed with images as a script wants them: rendered along segments of a
 /// motion, forth or back, in one world or another, or dark. The truth is kept beside.
 class ImageRun {
  public:

@@ -87,7 +87,7 @@ TEST_F(InputTest, TimeThatJumpsBackBeginsANewMap) {
   EXPECT_EQ(run_.record.count(EventType::kInput), 1);
   EXPECT_EQ(run_.record.frames.back().state, TrackingState::kTracking);
   expectCalibrationKept();
-  // The same stretches a second time are no second witnesses.
+  // The same segments a second time are no second witnesses.
   const QueueReport queue = run_.report().queue;
   EXPECT_LE(queue.segments.size(), segments + 1);
   EXPECT_TRUE(segmentsAreDisjoint(queue));

@@ -4,7 +4,7 @@
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
-#include "camera_self_calibration/queue/queue_estimate.h"
+#include "camera_self_calibration/queue/segment_queue.h"
 #include "estimation/sample_segments.h"
 #include "pipeline/track_run.h"
 
@@ -104,12 +104,12 @@ double solvedCost(double row_time_s, const std::vector<Candidate>& candidates, C
 
 TEST(Shutter, ProfileToFirstOrderIsThatOfSolutions) {
   ASSERT_TRUE(rolling().state);
-  const std::vector<Candidate>& candidates = rolling().state->segments;
-  QueueEstimate queue(1);
-  for (const Candidate& candidate : candidates) queue.add(candidate);
-  QueueSolution solution;
-  solution.camera = rolling().state->camera;
-  const RowTimeEstimate estimate = queue.rowTime(solution);
+  SegmentQueue queue(QueuePolicy(20, 0.95), 1);
+  queue.rebuild(rolling().state->segments, {rolling().state->camera});
+  const std::vector<Candidate>& candidates = queue.candidates();
+  const QueueSolution& solution = queue.solution();
+  ASSERT_EQ(candidates.size(), rolling().state->segments.size());
+  const RowTimeEstimate estimate = queue.rowTime();
   ASSERT_TRUE(estimate.usable);
   const double present = candidates.front().segment.keyframes.front().row_time_s;
   const double step = 2.0 * estimate.sigma_s;
@@ -119,7 +119,7 @@ TEST(Shutter, ProfileToFirstOrderIsThatOfSolutions) {
   const double bend = (before - 2.0 * here + after) / (step * step);
   const double solved = present - 0.5 * (after - before) / step / bend;
   EXPECT_NEAR(estimate.row_time_s, solved, 0.3 * estimate.sigma_s);
-  EXPECT_NEAR(estimate.sigma_s * std::sqrt(bend), 1.0, 0.15);
+  EXPECT_NEAR(estimate.sigma_s * std::sqrt(bend), solution.scatter.inflation(), 0.15);
 }
 
 TEST(Shutter, PixelsCanBePutBack) {

@@ -18,6 +18,7 @@ struct Record {
   std::vector<FrameResult> frames;
   std::vector<CalibrationReport> reports;
   std::vector<Event> events;
+  std::function<void(const KeyframeMessage&)> on_keyframe;  ///< If given, sees them too.
 
   int count(EventType type) const {
     int found = 0;
@@ -35,6 +36,9 @@ struct Record {
     result.frame = [this](const FrameResult& frame) { frames.push_back(frame); };
     result.calibration = [this](const CalibrationReport& r) { reports.push_back(r); };
     result.event = [this](const Event& event) { events.push_back(event); };
+    result.keyframe = [this](const KeyframeMessage& message) {
+      if (on_keyframe) on_keyframe(message);
+    };
     return result;
   }
 };

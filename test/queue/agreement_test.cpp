@@ -12,32 +12,29 @@ namespace {
 
 constexpr std::int64_t kEver = 1LL << 62;
 
-struct Filled {
-  QueueEstimate queue{1};
-  QueueSolution solution;
-};
-
-Filled filledQueue(const Camera& lens, int segments, std::uint64_t first_seed) {
-  Filled filled;
+SegmentQueue filledQueue(const Camera& lens, int segments, std::uint64_t first_seed) {
+  std::vector<Candidate> candidates;
   for (int i = 0; i < segments; ++i) {
-    filled.queue.add(candidateOf(lens, perturbedCamera(lens, 1), first_seed + i));
+    candidates.push_back(candidateOf(lens, perturbedCamera(lens, 1), first_seed + i));
   }
-  filled.solution = filled.queue.solve(lens);
-  return filled;
+  SegmentQueue queue = roomyQueue();
+  EXPECT_EQ(queue.offer(candidates, {lens}), segments);
+  return queue;
 }
 
 TEST(Agreement, OfTheSameLensIsNoLargerThanChance) {
   double sum = 0.0;
   int count = 0;
   for (const Camera& lens : ordinaryCameras()) {
-    const Filled filled = filledQueue(lens, 3, 100);
-    const auto reference = referenceWithout(kEver, kEver, filled.queue, filled.solution);
+    const SegmentQueue queue = filledQueue(lens, 3, 100);
+    const auto reference = referenceWithout(kEver, kEver, queue);
     ASSERT_TRUE(reference);
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
       const Candidate candidate = candidateOf(lens, lens, seed);
-      const auto evidence = evidenceAt(reference->camera, candidate.segment, candidate.sigma_scale);
-      ASSERT_TRUE(evidence);
-      const Agreement result = agreement({*evidence}, *reference);
+      const auto likelihood =
+          likelihoodAt(reference->camera, candidate.segment, candidate.sigma_scale);
+      ASSERT_TRUE(likelihood);
+      const Agreement result = agreement({*likelihood}, *reference);
       EXPECT_GT(result.p_value, 1e-4);
       sum += result.statistic;
       count += lens.estimatedCount();
@@ -50,26 +47,28 @@ TEST(Agreement, OfTheSameLensIsNoLargerThanChance) {
 
 TEST(Agreement, OfAnotherLensFails) {
   for (const Camera& lens : ordinaryCameras()) {
-    const Filled filled = filledQueue(lens, 3, 100);
-    const auto reference = referenceWithout(kEver, kEver, filled.queue, filled.solution);
+    const SegmentQueue queue = filledQueue(lens, 3, 100);
+    const auto reference = referenceWithout(kEver, kEver, queue);
     ASSERT_TRUE(reference);
     const Candidate candidate = candidateOf(zoomed(lens, 1.08), lens, 1);
-    const auto evidence = evidenceAt(reference->camera, candidate.segment, candidate.sigma_scale);
-    ASSERT_TRUE(evidence);
-    EXPECT_LT(agreement({*evidence}, *reference).p_value, 1e-6) << toString(lens.model());
-    const Intrinsics between = compromise({*evidence}, *reference);
+    const auto likelihood =
+        likelihoodAt(reference->camera, candidate.segment, candidate.sigma_scale);
+    ASSERT_TRUE(likelihood);
+    EXPECT_LT(agreement({*likelihood}, *reference).p_value, 1e-6) << toString(lens.model());
+    const Intrinsics between = compromise({*likelihood}, *reference);
     EXPECT_GT(between(0), reference->camera.parameters()(0)) << toString(lens.model());
   }
 }
 
 TEST(Agreement, ReferenceWithoutASegmentIsTheEstimateOfTheOthers) {
   for (const Camera& lens : ordinaryCameras()) {
-    Filled all = filledQueue(lens, 4, 100);
-    const Segment& out = all.queue.candidates()[1].segment;
-    const auto reference = referenceWithout(out.beginNs(), out.endNs(), all.queue, all.solution);
+    SegmentQueue all = filledQueue(lens, 4, 100);
+    const Segment out = all.candidates()[1].segment;
+    const auto reference = referenceWithout(out.beginNs(), out.endNs(), all);
     ASSERT_TRUE(reference);
-    all.queue.remove({out.sequence});
-    const QueueSolution others = all.queue.solve(lens);
+    EXPECT_FALSE(referenceWithout(0, kEver, all));
+    all.exchange({out.sequence}, {}, {lens});
+    const QueueSolution& others = all.solution();
     for (int i = 0; i < lens.estimatedCount(); ++i) {
       const double sigma = std::sqrt(others.covariance(i, i));
       EXPECT_NEAR(reference->camera.parameters()(i), others.camera.parameters()(i), 0.15 * sigma)
@@ -77,26 +76,23 @@ TEST(Agreement, ReferenceWithoutASegmentIsTheEstimateOfTheOthers) {
     }
     EXPECT_EQ(reference->scatter.freedom, others.scatter.freedom);
     EXPECT_NEAR(reference->scatter.inflation(), others.scatter.inflation(), 0.2);
-    EXPECT_FALSE(referenceWithout(0, kEver, all.queue, all.solution));
   }
 }
 
 // What entered the queue before it told enough must not hide what it says when it does.
 TEST(Agreement, WhatOverlapsIsNoMeasureOfScatter) {
   const Camera lens = ordinaryCameras()[1];
-  Filled torn = filledQueue(lens, 3, 100);
+  SegmentQueue torn = filledQueue(lens, 3, 100);
   const Candidate other = candidateOf(zoomed(lens, 1.08), lens, 1);
-  torn.queue.add(other);
-  torn.solution = torn.queue.solve(lens);
-  ASSERT_GT(torn.solution.scatter.inflation(), 3.0);
+  ASSERT_TRUE(torn.offer(other, {lens}).accepted);
+  ASSERT_GT(torn.solution().scatter.inflation(), 3.0);
   const Segment& segment = other.segment;
-  const auto reference =
-      referenceWithout(segment.beginNs(), segment.endNs(), torn.queue, torn.solution);
+  const auto reference = referenceWithout(segment.beginNs(), segment.endNs(), torn);
   ASSERT_TRUE(reference);
   EXPECT_LT(reference->scatter.inflation(), 1.7);
-  const auto evidence = evidenceAt(reference->camera, segment, other.sigma_scale);
-  ASSERT_TRUE(evidence);
-  EXPECT_LT(agreement({*evidence}, *reference).p_value, 1e-6);
+  const auto likelihood = likelihoodAt(reference->camera, segment, other.sigma_scale);
+  ASSERT_TRUE(likelihood);
+  EXPECT_LT(agreement({*likelihood}, *reference).p_value, 1e-6);
 }
 
 TEST(Agreement, ScatterByChanceIsNoVariance) {
@@ -109,22 +105,22 @@ TEST(Agreement, ScatterByChanceIsNoVariance) {
   EXPECT_EQ(more.inflationFreedom(), 10);
 }
 
-// A direction that the stretch does not determine says nothing, however far its estimate is.
+// A direction that the segment does not determine says nothing, however far its estimate is.
 TEST(Agreement, UndeterminedDirectionsDoNotCount) {
   const Camera lens = ordinaryCameras()[0];
-  Evidence evidence;
-  evidence.point = lens.parameters();
-  evidence.gradient = Intrinsics::Zero(4);
-  evidence.information = IntrinsicsMatrix::Zero(4, 4);
-  evidence.information(0, 0) = 4.0;
-  evidence.gradient(0) = 4.0 * 1.0;  // fx one pixel larger, sigma 1/2
+  QuadraticLikelihood likelihood;
+  likelihood.point = lens.parameters();
+  likelihood.gradient = Intrinsics::Zero(4);
+  likelihood.information = IntrinsicsMatrix::Zero(4, 4);
+  likelihood.information(0, 0) = 4.0;
+  likelihood.gradient(0) = 4.0 * 1.0;  // fx one pixel larger, sigma 1/2
   const Reference reference{lens, IntrinsicsMatrix::Identity(4, 4) * 4.0, Scatter()};
-  EXPECT_NEAR(agreement({evidence}, reference).statistic, 1.0 / (0.25 + 0.25), 1e-9);
-  EXPECT_NEAR(compromise({evidence}, reference)(0), lens.parameters()(0) + 0.5, 1e-9);
+  EXPECT_NEAR(agreement({likelihood}, reference).statistic, 1.0 / (0.25 + 0.25), 1e-9);
+  EXPECT_NEAR(compromise({likelihood}, reference)(0), lens.parameters()(0) + 0.5, 1e-9);
 }
 
-// Two stretches that scatter by more than chance tell their variance but roughly.
-TEST(Agreement, ScatterOfTwoStretchesHidesNoLargeChange) {
+// Two segments that scatter by more than chance tell their variance but roughly.
+TEST(Agreement, ScatterOfTwoSegmentsHidesNoLargeChange) {
   const Camera lens = ordinaryCameras()[0];
   const Reference reference{lens, IntrinsicsMatrix::Identity(4, 4), Scatter{20.0, 4}};
   EXPECT_GT(fExceedance(60.0, 4, 4), 1e-4);

@@ -50,8 +50,8 @@ TEST(CandidateOutlook, OfNothingIsNotUsable) {
 
 TEST(CandidateOutlook, FitsAsUsualOnlyWhereItHasSettled) {
   const Camera lens = ordinaryCameras()[1];
-  QueueEstimate queue(1);
-  queue.add(candidateOf(lens, lens, 100));
+  SegmentQueue queue = roomyQueue();
+  ASSERT_TRUE(queue.offer(candidateOf(lens, lens, 100), {lens}).accepted);
   for (std::uint64_t seed = 1; seed < 4; ++seed) {
     const Segment window = laterWindow(lens, seed);  // perturbed, not solved
     EXPECT_FALSE(fitsAsUsual(outlookOf(window, lens).sigma_scale, queue)) << seed;
@@ -59,26 +59,28 @@ TEST(CandidateOutlook, FitsAsUsualOnlyWhereItHasSettled) {
   }
 }
 
-// A queue, and a detector that remembers the stretch of seed 1.
+// A queue, and a detector that remembers the window of seed 1.
 struct Watched {
   explicit Watched(const Camera& lens) {
-    for (std::uint64_t seed = 100; seed < 103; ++seed) queue.add(candidateOf(lens, lens, seed));
-    solution = queue.solve(lens);
+    std::vector<Candidate> candidates;
+    for (std::uint64_t seed = 100; seed < 103; ++seed) {
+      candidates.push_back(candidateOf(lens, lens, seed));
+    }
+    EXPECT_EQ(queue.offer(candidates, {lens}), 3);
     const Segment window = solvedWith(lens, laterWindow(lens, 1));
     Candidate candidate = evaluateCandidate(CandidateOptions(), window, lens);
-    EXPECT_EQ(detector.examine(window, candidate, 0, queue, solution).kind,
-              ChangeVerdict::Kind::kSame);
+    EXPECT_EQ(detector.examine(window, candidate, 0, queue).kind, ChangeVerdict::Kind::kSame);
   }
   // Of a window at the time of the one that is remembered.
   std::optional<double> ask(const Camera& lens, std::uint64_t seed, std::int64_t onset_ns = 0) {
-    Segment window = solvedWith(solution.camera, laterWindow(lens, seed));
+    const Camera& known = queue.solution().camera;
+    Segment window = solvedWith(known, laterWindow(lens, seed));
     for (Keyframe& keyframe : window.keyframes) {
       keyframe.stamp_ns -= static_cast<std::int64_t>(seed - 1) * 10000000000;
     }
-    return detector.clearlySame(outlookOf(window, solution.camera), onset_ns, queue, solution);
+    return detector.clearlySame(outlookOf(window, known), onset_ns, queue);
   }
-  QueueEstimate queue{1};
-  QueueSolution solution;
+  SegmentQueue queue = roomyQueue();
   ChangeDetector detector{0.1};
 };
 
@@ -104,14 +106,13 @@ TEST(CandidateOutlook, OfAnotherLensIsLookedInto) {
   }
 }
 
-TEST(CandidateOutlook, SuspicionsAndNewStretchesAreLookedInto) {
+TEST(CandidateOutlook, SuspicionsAndNewWindowsAreLookedInto) {
   const Camera lens = ordinaryCameras()[1];
   Watched watched(lens);
   ASSERT_TRUE(watched.ask(lens, 2));
   EXPECT_FALSE(watched.ask(lens, 2, 5));
   const Segment later = solvedWith(lens, laterWindow(lens, 2));
-  EXPECT_FALSE(
-      watched.detector.clearlySame(outlookOf(later, lens), 0, watched.queue, watched.solution));
+  EXPECT_FALSE(watched.detector.clearlySame(outlookOf(later, lens), 0, watched.queue));
 }
 
 }  // namespace

@@ -75,20 +75,20 @@ TEST(CrossValidation, ADisagreementIsCoveredByTheUncertainty) {
 // The first-order difference is that of the halves solved on their own.
 TEST(CrossValidation, AgreesWithSolutionsOfTheHalves) {
   std::vector<Segment> segments = separateSegments(kLens, 2);
-  const SolvedQueue queue(segments, kLens);
-  const CrossValidation halves = crossValidate(queue.solution, {});
+  const SegmentQueue queue = solvedQueue(segments, kLens);
+  const CrossValidation halves = crossValidate(queue.solution(), {});
   ASSERT_TRUE(halves.compared);
-  const SolvedQueue one({segments[0]}, kLens);
-  const SolvedQueue other({segments[1]}, kLens);
-  const double distance = pixelDistance(one.solution.camera, other.solution.camera).rms;
+  const SegmentQueue one = solvedQueue({segments[0]}, kLens);
+  const SegmentQueue other = solvedQueue({segments[1]}, kLens);
+  const double distance = pixelDistance(one.solution().camera, other.solution().camera).rms;
   EXPECT_NEAR(halves.difference_px, distance, 0.15 * distance);
 }
 
 TEST(CrossValidation, HalvesOfOneLensAgreeAndOfTwoLensesDoNot) {
   std::vector<double> ratios;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
-    const SolvedQueue queue(separateSegments(kLens, 2, seed), kLens);
-    const CrossValidation halves = crossValidate(queue.solution, {});
+    const SegmentQueue queue = solvedQueue(separateSegments(kLens, 2, seed), kLens);
+    const CrossValidation halves = crossValidate(queue.solution(), {});
     ASSERT_TRUE(halves.compared) << seed;
     EXPECT_TRUE(halves.agrees()) << seed << ": " << halves.sentence();
     ratios.push_back(halves.difference_px / halves.expected_px);
@@ -101,7 +101,7 @@ TEST(CrossValidation, HalvesOfOneLensAgreeAndOfTwoLensesDoNot) {
 
   std::vector<Segment> torn = separateSegments(kLens, 2);
   torn[1] = separateSegments(zoomed(kLens, 1.05), 2)[1];
-  const CrossValidation halves = crossValidate(SolvedQueue(torn, kLens).solution, {});
+  const CrossValidation halves = crossValidate(solvedQueue(torn, kLens).solution(), {});
   ASSERT_TRUE(halves.compared);
   EXPECT_GT(halves.difference_px, 3.0);
 }

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cstdint>
 #include <vector>
 
-#include "camera_self_calibration/queue/queue_estimate.h"
+#include "camera_self_calibration/queue/segment_queue.h"
 #include "camera_self_calibration/simulation/segment_maker.h"
 
 namespace camera_self_calibration {
@@ -25,18 +27,16 @@ inline std::vector<Segment> separateSegments(const Camera& truth, int count,
   return segments;
 }
 
-/// A queue of solved segments with their joint estimate.
-struct SolvedQueue {
-  QueueEstimate estimate{1};
-  QueueSolution solution;
-
-  /// All are scored, and then solved together, from `start`, whose model is fitted.
-  SolvedQueue(const std::vector<Segment>& segments, const Camera& start) {
-    for (const Segment& segment : segments) {
-      estimate.add(evaluateCandidate(CandidateOptions(), segment, start));
-    }
-    solution = estimate.solve(start);
+/// A queue of these segments: scored, and then solved together, from `start`, whose model is
+/// fitted.
+inline SegmentQueue solvedQueue(const std::vector<Segment>& segments, const Camera& start) {
+  std::vector<Candidate> candidates;
+  for (const Segment& segment : segments) {
+    candidates.push_back(evaluateCandidate(CandidateOptions(), segment, start));
   }
-};
+  SegmentQueue queue(QueuePolicy(10, 0.95), 1);
+  EXPECT_EQ(queue.offer(candidates, {start}), static_cast<int>(segments.size()));
+  return queue;
+}
 
 }  // namespace camera_self_calibration

@@ -2,201 +2,218 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <cmath>
 
-#include "camera/sample_cameras.h"
-#include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/estimation/entropy.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
+#include "estimation/sample_segments.h"
+#include "lens_change/change_samples.h"
 
 namespace camera_self_calibration {
 namespace {
 
-const Camera kCamera = camera640(CameraModel::kPinhole, {320, 320, 319.5, 239.5});
-constexpr double kAlpha = 0.95;
-const double kMargin = 4.0 * std::log(1.0 / kAlpha);  // n_c ln(1 / alpha)
-
-// A made-up segment whose sigmas are `spread` times the normalisation's.
-SegmentScore score(std::int64_t sequence, std::int64_t begin, std::int64_t end, double spread) {
-  SegmentScore result;
-  result.sequence = sequence;
-  result.begin_ns = begin;
-  result.end_ns = end;
-  const IntrinsicsMatrix covariance =
-      (spread * normalizationSigmas(kCamera)).cwiseAbs2().asDiagonal();
-  result.information = covariance.inverse();
-  result.entropy = entropy(kCamera, covariance);
-  return result;
+std::vector<Candidate> candidatesOf(const Camera& truth, int count,
+                                    MotionKind motion = MotionKind::kHandheld) {
+  std::vector<Candidate> candidates;
+  for (int seed = 0; seed < count; ++seed) {
+    candidates.push_back(candidateOf(truth, perturbedCamera(truth, seed), seed, motion));
+    EXPECT_TRUE(candidates.back().well_posed) << candidates.back().reason;
+  }
+  return candidates;
 }
 
-SegmentScore withEntropy(std::int64_t sequence, std::int64_t begin, std::int64_t end,
-                         double entropy) {
-  SegmentScore result = score(sequence, begin, end, 1.0);
-  result.entropy = entropy;
-  return result;
+double mahalanobis(const Camera& a, const Camera& b, const IntrinsicsMatrix& information) {
+  const Eigen::VectorXd difference = a.parameters() - b.parameters();
+  return difference.dot(information * difference);
 }
 
 std::vector<std::int64_t> sequences(const SegmentQueue& queue) {
   std::vector<std::int64_t> list;
-  for (const SegmentScore& segment : queue.segments()) list.push_back(segment.sequence);
+  for (const Candidate& candidate : queue.candidates()) list.push_back(candidate.segment.sequence);
   return list;
 }
 
 using Ids = std::vector<std::int64_t>;
 
-TEST(SegmentQueue, TakesWhatDoesNotOverlapWhileThereIsRoom) {
-  SegmentQueue queue(3, kAlpha);
-  EXPECT_TRUE(queue.offer(withEntropy(1, 0, 10, 5.0), kCamera).accepted);
-  EXPECT_TRUE(queue.offer(withEntropy(2, 11, 20, 500.0), kCamera).accepted);  // however bad
-  EXPECT_TRUE(queue.offer(withEntropy(3, 21, 30, -5.0), kCamera).accepted);
-  EXPECT_EQ(sequences(queue), (Ids{1, 2, 3}));
-}
-
-TEST(SegmentQueue, FullItReplacesTheWorst) {
-  SegmentQueue queue(3, kAlpha);
-  queue.offer(withEntropy(1, 0, 10, 5.0), kCamera);
-  queue.offer(withEntropy(2, 20, 30, 7.0), kCamera);
-  queue.offer(withEntropy(3, 40, 50, 6.0), kCamera);
-  EXPECT_FALSE(queue.offer(withEntropy(4, 60, 70, 7.0 - kMargin + 1e-9), kCamera).accepted);
-  const QueueDecision decision = queue.offer(withEntropy(5, 60, 70, 7.0 - kMargin - 1e-9), kCamera);
-  EXPECT_TRUE(decision.accepted);
-  EXPECT_EQ(decision.replaced, Ids{2});
-  EXPECT_FALSE(decision.reason.empty());
-  EXPECT_EQ(sequences(queue), (Ids{1, 3, 5}));
-}
-
-// The margin lowers the limit whatever the sign: the paper's `alpha max h` would raise it.
-TEST(SegmentQueue, NegativeEntropiesNeedTheSameMargin) {
-  for (const double level : {-30.0, -0.1, 0.0, 0.1, 30.0}) {
-    SegmentQueue queue(1, kAlpha);
-    queue.offer(withEntropy(1, 0, 10, level), kCamera);
-    EXPECT_FALSE(queue.consider(withEntropy(2, 20, 30, level), kCamera).accepted) << level;
-    EXPECT_FALSE(queue.consider(withEntropy(2, 20, 30, level + 0.01), kCamera).accepted);
-    EXPECT_FALSE(queue.consider(withEntropy(2, 20, 30, level - 0.9 * kMargin), kCamera).accepted);
-    EXPECT_TRUE(queue.consider(withEntropy(2, 20, 30, level - 1.1 * kMargin), kCamera).accepted);
+// That the solution is the one of the segments: each has its share, and the queue would not move
+// by a tenth of a sigma if it were solved once more.
+void expectInStep(const SegmentQueue& queue) {
+  const QueueSolution& solution = queue.solution();
+  if (queue.candidates().empty()) {
+    EXPECT_FALSE(solution.usable);
+    return;
+  }
+  ASSERT_TRUE(solution.usable);
+  EXPECT_EQ(solution.shares.size(), queue.candidates().size());
+  SegmentQueue again = queue;
+  again.exchange({}, {}, {solution.camera});
+  EXPECT_LT(mahalanobis(again.solution().camera, solution.camera, solution.information), 0.01);
+  for (const Candidate& a : queue.candidates()) {
+    for (const Candidate& b : queue.candidates()) {
+      const bool apart =
+          a.segment.endNs() < b.segment.beginNs() || b.segment.endNs() < a.segment.beginNs();
+      EXPECT_TRUE(&a == &b || apart) << a.segment.sequence << " " << b.segment.sequence;
+    }
   }
 }
 
-// 5 % off the geometric-mean sigma, independent of the number of parameters.
-TEST(SegmentQueue, AlphaIsTheShareOfTheSigmas) {
-  for (const double alpha : {0.5, 0.95, 0.99}) {
-    SegmentQueue queue(1, alpha);
-    queue.offer(score(1, 0, 10, 1.0), kCamera);
-    EXPECT_TRUE(queue.consider(score(2, 20, 30, alpha - 1e-6), kCamera).accepted);
-    EXPECT_FALSE(queue.consider(score(2, 20, 30, alpha + 1e-6), kCamera).accepted);
+TEST(SegmentQueue, SegmentsAndSolutionStayInStep) {
+  const Camera truth = ordinaryCameras()[1];
+  const std::vector<Candidate> candidates = candidatesOf(truth, 5);
+  SegmentQueue queue(QueuePolicy(3, 0.95), 1);
+  expectInStep(queue);
+  for (const Candidate& candidate : candidates) {
+    queue.offer(candidate, {truth});
+    expectInStep(queue);
   }
-}
-
-TEST(SegmentQueue, ACandidateThatOverlapsOneIsComparedWithThatAlone) {
-  SegmentQueue queue(3, kAlpha);
-  queue.offer(withEntropy(1, 0, 10, 5.0), kCamera);
-  queue.offer(withEntropy(2, 20, 30, 50.0), kCamera);
-  // Far better than the worst, and there is room, but not better than the one it overlaps.
-  EXPECT_FALSE(queue.offer(withEntropy(3, 10, 15, 4.9), kCamera).accepted);  // a shared moment
-  EXPECT_FALSE(queue.offer(withEntropy(4, -5, 100, 5.0), kCamera).accepted);
-  // Worse than another of the queue, but better than the one it overlaps.
-  const QueueDecision decision = queue.offer(withEntropy(5, 25, 35, 40.0), kCamera);
-  EXPECT_TRUE(decision.accepted);
-  EXPECT_EQ(decision.replaced, Ids{2});
-  EXPECT_EQ(sequences(queue), (Ids{1, 5}));
-}
-
-TEST(SegmentQueue, ACandidateThatOverlapsSeveralMustBeatThemTogether) {
-  SegmentQueue queue(3, kAlpha);
-  queue.offer(score(1, 0, 10, 1.0), kCamera);
-  queue.offer(score(2, 20, 30, 1.0), kCamera);
-  queue.offer(score(3, 40, 50, 1.0), kCamera);
-  // Two equal informations added: sigmas smaller by sqrt(2).
-  const double joint = 1.0 / std::sqrt(2.0);
-  EXPECT_FALSE(queue.consider(score(4, 5, 25, 1.01 * kAlpha * joint), kCamera).accepted);
-  EXPECT_FALSE(queue.consider(score(4, 5, 25, 0.9), kCamera).accepted);
-  const QueueDecision decision = queue.offer(score(4, 5, 25, 0.99 * kAlpha * joint), kCamera);
-  EXPECT_TRUE(decision.accepted);
-  EXPECT_EQ(decision.replaced, (Ids{1, 2}));
-  EXPECT_EQ(sequences(queue), (Ids{3, 4}));
-}
-
-TEST(SegmentQueue, RefusesIllPosedCandidates) {
-  SegmentQueue queue(3, kAlpha);
-  SegmentScore bad = withEntropy(1, 0, 10, -100.0);
-  bad.well_posed = false;
-  EXPECT_FALSE(queue.offer(bad, kCamera).accepted);
-  EXPECT_FALSE(queue.offer(withEntropy(1, 0, 10, INFINITY), kCamera).accepted);
-  EXPECT_FALSE(queue.offer(withEntropy(1, 0, 10, -INFINITY), kCamera).accepted);
-  const QueueDecision decision = queue.offer(withEntropy(1, 0, 10, NAN), kCamera);
-  EXPECT_FALSE(decision.accepted);
-  EXPECT_FALSE(decision.reason.empty());
-  EXPECT_TRUE(queue.segments().empty());
-}
-
-// A bag played in a loop offers the same moments again, under new sequence numbers.
-TEST(SegmentQueue, CountsAStretchOfTimeOnce) {
-  SegmentQueue queue(5, kAlpha);
-  queue.offer(score(1, 0, 10, 1.0), kCamera);
-  queue.offer(score(2, 20, 30, 1.2), kCamera);
-  for (int round = 1; round < 20; ++round) {
-    queue.offer(score(100 * round + 1, 0, 10, 1.0), kCamera);
-    queue.offer(score(100 * round + 2, 20, 30, 1.2), kCamera);
-    queue.offer(score(100 * round + 3, 2, 12, 0.999), kCamera);
-  }
-  EXPECT_EQ(sequences(queue), (Ids{1, 2}));
-  // Nor do gains below the margin creep in one after the other.
-  EXPECT_FALSE(queue.consider(score(9, 0, 10, 0.96), kCamera).accepted);
-}
-
-SegmentScore withPixelError(std::int64_t sequence, std::int64_t begin, std::int64_t end,
-                            double pixel_rms, double entropy) {
-  SegmentScore result = withEntropy(sequence, begin, end, entropy);
-  result.pixel_rms = pixel_rms;
-  return result;
-}
-
-TEST(SegmentQueue, ByPixelErrorTheEntropyDoesNotCount) {
-  SegmentQueue queue(2, kAlpha, ScoreKind::kPixel);
-  queue.offer(withPixelError(1, 0, 10, 0.2, 30.0), kCamera);
-  queue.offer(withPixelError(2, 20, 30, 0.4, -30.0), kCamera);
-  EXPECT_FALSE(
-      queue.offer(withPixelError(3, 40, 50, 1.01 * kAlpha * 0.4, -99.0), kCamera).accepted);
-  const QueueDecision decision =
-      queue.offer(withPixelError(4, 40, 50, 0.99 * kAlpha * 0.4, 99.0), kCamera);
-  EXPECT_TRUE(decision.accepted);
-  EXPECT_EQ(decision.replaced, Ids{2});
-  EXPECT_FALSE(queue.offer(withPixelError(5, 60, 70, NAN, 0.0), kCamera).accepted);
-  EXPECT_FALSE(queue.offer(withPixelError(5, 60, 70, INFINITY, 0.0), kCamera).accepted);
-}
-
-TEST(SegmentQueue, ByPixelErrorSeveralCountTogether) {
-  SegmentQueue queue(3, kAlpha, ScoreKind::kPixel);
-  const auto scored = [](std::int64_t sequence, std::int64_t begin, std::int64_t end,
-                         double spread) {
-    SegmentScore result = score(sequence, begin, end, spread);
-    const IntrinsicsMatrix covariance = result.information.inverse();
-    result.pixel_rms = pixelUncertainty(kCamera, covariance).rms;
-    return result;
-  };
-  queue.offer(scored(1, 0, 10, 1.0), kCamera);
-  queue.offer(scored(2, 20, 30, 1.0), kCamera);
-  const double joint = 1.0 / std::sqrt(2.0);
-  EXPECT_FALSE(queue.consider(scored(3, 5, 25, 1.01 * kAlpha * joint), kCamera).accepted);
-  EXPECT_TRUE(queue.consider(scored(3, 5, 25, 0.99 * kAlpha * joint), kCamera).accepted);
-}
-
-TEST(SegmentQueue, ScoresHaveNames) {
-  for (const ScoreKind kind : {ScoreKind::kEntropy, ScoreKind::kPixel}) {
-    EXPECT_EQ(scoreKindFromString(toString(kind)), kind);
-  }
-  EXPECT_FALSE(scoreKindFromString("determinant"));
-}
-
-TEST(SegmentQueue, ConsideringChangesNothing) {
-  SegmentQueue queue(1, kAlpha);
-  EXPECT_TRUE(queue.consider(withEntropy(1, 0, 10, 5.0), kCamera).accepted);
-  EXPECT_TRUE(queue.segments().empty());
-  queue.offer(withEntropy(1, 0, 10, 5.0), kCamera);
-  EXPECT_TRUE(queue.consider(withEntropy(2, 20, 30, 0.0), kCamera).accepted);
-  EXPECT_EQ(sequences(queue), Ids{1});
+  EXPECT_EQ(queue.candidates().size(), 3u) << "bounded";
+  const Ids before = sequences(queue);
+  queue.exchange({before[1], 99}, {}, {truth});
+  EXPECT_EQ(sequences(queue), (Ids{before[0], before[2]}));
+  expectInStep(queue);
+  queue.exchange({before[0]}, {candidates[before[1]]}, {truth});
+  EXPECT_EQ(sequences(queue), (Ids{before[2], before[1]}));
+  expectInStep(queue);
+  queue.exchange(before, {}, {truth});
+  expectInStep(queue);
+  EXPECT_EQ(queue.rebuild({candidates[0], candidates[1], candidates[0]}, {truth}), 2);
+  expectInStep(queue);
   queue.clear();
-  EXPECT_TRUE(queue.segments().empty());
+  EXPECT_TRUE(queue.candidates().empty());
+  expectInStep(queue);
+}
+
+TEST(SegmentQueue, RefusesWithTheReasonAndStaysAsItIs) {
+  const Camera truth = ordinaryCameras()[1];
+  std::vector<Candidate> candidates = candidatesOf(truth, 2);
+  SegmentQueue queue(QueuePolicy(3, 0.95), 1);
+  ASSERT_TRUE(queue.offer(candidates[0], {truth}).accepted);
+  const Camera before = queue.solution().camera;
+  EXPECT_FALSE(queue.offer(candidates[0], {truth}).accepted) << "the same moments";
+  candidates[1].well_posed = false;
+  candidates[1].reason = "made up";
+  const QueueDecision decision = queue.offer(candidates[1], {truth});
+  EXPECT_FALSE(decision.accepted);
+  EXPECT_EQ(decision.reason, "refused: made up");
+  EXPECT_EQ(queue.offer(candidates, {truth}), 0);
+  EXPECT_EQ(queue.solution().camera.parameters(), before.parameters());
+  EXPECT_EQ(sequences(queue), Ids{0});
+}
+
+// What is known of the row time makes the covariance larger along the way that it moves the
+// intrinsics, and nothing else.
+TEST(SegmentQueue, ARowTimeInDoubtAddsUncertainty) {
+  const Camera truth = ordinaryCameras()[1];
+  const std::vector<Candidate> candidates = candidatesOf(truth, 3);
+  SegmentQueue exact(QueuePolicy(3, 0.95), 1), vague = exact;
+  exact.offer(candidates, {truth});
+  QueueStart start{truth};
+  start.row_time.usable = true;
+  start.row_time.slope = Intrinsics::Constant(truth.estimatedCount(), 2.0);
+  start.row_time_doubt_s = 0.5;
+  vague.offer(candidates, start);
+  const IntrinsicsMatrix added = vague.solution().covariance - exact.solution().covariance;
+  EXPECT_LT((added.array() - 1.0).abs().maxCoeff(), 1e-9);
+  EXPECT_EQ(vague.solution().information, exact.solution().information);
+}
+
+TEST(SegmentQueue, DriftLastsUntilTheNextEstimate) {
+  const Camera truth = ordinaryCameras()[1];
+  SegmentQueue queue(QueuePolicy(3, 0.95), 1);
+  queue.offer(candidatesOf(truth, 2), {truth});
+  LensDrift drift;
+  drift.significant = true;
+  drift.offset = Intrinsics::Constant(truth.estimatedCount(), 0.01);
+  drift.covariance = queue.solution().covariance;
+  queue.setDrift(drift);
+  EXPECT_NEAR(queue.solution().present().parameters()(0),
+              queue.solution().camera.parameters()(0) + 0.01, 1e-12);
+  queue.exchange({}, {}, {queue.solution().camera});
+  EXPECT_FALSE(queue.solution().drift.significant);
+}
+
+TEST(SegmentQueue, JoinsWhatSegmentsTell) {
+  for (const Camera& truth : ordinaryCameras()) {
+    const std::vector<Candidate> candidates = candidatesOf(truth, 4);
+    IntrinsicsMatrix sum = IntrinsicsMatrix::Zero(truth.estimatedCount(), truth.estimatedCount());
+    for (const Candidate& candidate : candidates) sum += candidate.information;
+    SegmentQueue queue = roomyQueue(2);
+    ASSERT_EQ(queue.offer(candidates, {perturbedCamera(truth, 1, 0.3)}), 4);
+    const QueueSolution& solution = queue.solution();
+    ASSERT_TRUE(solution.usable);
+    EXPECT_LT(solution.scatter.inflation(), 1.7);
+    // Nearly the sum of the marginals at the segments' own optima.
+    const IntrinsicsMatrix raw =
+        solution.information * solution.scatter.inflation() * solution.scatter.inflation();
+    for (int i = 0; i < truth.estimatedCount(); ++i) EXPECT_NEAR(raw(i, i) / sum(i, i), 1.0, 0.3);
+    // Chi-square with n_c degrees, 1 in 10000.
+    EXPECT_LT(mahalanobis(solution.camera, truth, solution.information), 35.0);
+  }
+}
+
+TEST(SegmentQueue, OfOneSegmentIsThatSegments) {
+  const Camera truth = ordinaryCameras()[1];
+  const Candidate candidate = candidateOf(truth, perturbedCamera(truth, 7), 7);
+  SegmentQueue queue = roomyQueue();
+  ASSERT_TRUE(queue.offer(candidate, {candidate.camera}).accepted);
+  ASSERT_TRUE(queue.solution().usable);
+  EXPECT_EQ(queue.solution().scatter.inflation(), 1.0);
+  EXPECT_LT(mahalanobis(queue.solution().camera, candidate.camera, candidate.information), 0.01);
+}
+
+// Segments of two different lenses cannot both be right: the uncertainty says so.
+TEST(SegmentQueue, InflatesWhenSegmentsDisagree) {
+  const Camera truth = ordinaryCameras()[1];
+  std::vector<Candidate> candidates = candidatesOf(truth, 4);
+  SegmentQueue agreeing = roomyQueue(), torn = roomyQueue();
+  agreeing.offer(candidates, {truth});
+  for (const int i : {1, 3}) {
+    candidates[i] = candidateOf(zoomed(truth, 1.03), perturbedCamera(truth, i), i);
+  }
+  torn.offer(candidates, {truth});
+  EXPECT_LT(agreeing.solution().scatter.inflation(), 1.7);
+  EXPECT_GT(torn.solution().scatter.inflation(), 3.0);
+  EXPECT_LT(torn.solution().information(0, 0), 0.3 * agreeing.solution().information(0, 0));
+}
+
+// Rotation on the spot tells neither translations nor depths; they must not be lost on the way of
+// the intrinsics, which would look like disagreement.
+TEST(SegmentQueue, SegmentsOfRotationAgree) {
+  for (const int c : {0, 1, 3}) {
+    const Camera truth = ordinaryCameras()[c];
+    SegmentQueue queue = roomyQueue();
+    ASSERT_EQ(queue.offer(candidatesOf(truth, 4, MotionKind::kRotationOnly), {zoomed(truth, 0.8)}),
+              4);
+    queue.exchange({}, {}, {zoomed(truth, 1.3)});
+    queue.exchange({}, {}, {truth});
+    const QueueSolution& solution = queue.solution();
+    ASSERT_TRUE(solution.usable);
+    EXPECT_LT(solution.scatter.inflation(), 2.0) << toString(truth.model());
+    EXPECT_LT(mahalanobis(solution.camera, truth, solution.information), 35.0);
+    for (const Candidate& candidate : queue.candidates()) {
+      Candidate copy = candidate;
+      SegmentBlock block = freeBlock(&copy.segment, solution.camera);
+      block.sigma_scale = copy.sigma_scale;
+      EXPECT_LT(robustCost(block, solution.camera, 2.0), 1.1 * copy.cost + 20.0);
+    }
+  }
+}
+
+TEST(SegmentQueue, IsTheSameForAnyNumberOfThreads) {
+  const Camera truth = ordinaryCameras()[2];
+  const std::vector<Candidate> candidates = candidatesOf(truth, 4);
+  std::vector<QueueSolution> solutions;
+  for (const int threads : {1, 2, 3}) {
+    SegmentQueue queue = roomyQueue(threads);
+    queue.offer(candidates, {perturbedCamera(truth, 1, 0.3)});
+    solutions.push_back(queue.solution());
+  }
+  for (int i = 1; i < 3; ++i) {
+    EXPECT_EQ(solutions[0].camera.parameters(), solutions[i].camera.parameters());
+    EXPECT_EQ(solutions[0].information, solutions[i].information);
+    EXPECT_EQ(solutions[0].scatter.inflation(), solutions[i].scatter.inflation());
+  }
 }
 
 }  // namespace

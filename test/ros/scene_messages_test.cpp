@@ -60,7 +60,7 @@ TEST(SceneMessages, TheTrajectoryGoesThroughTheKeyframes) {
 
 TEST(SceneMessages, SegmentsAreColouredByScore) {
   const Marker queue = markerOf(makeScene(), "queue");
-  ASSERT_EQ(queue.points.size(), 12u) << "two stretches of four keyframes";
+  ASSERT_EQ(queue.points.size(), 12u) << "two segments of four keyframes";
   ASSERT_EQ(queue.colors.size(), 12u);
   EXPECT_TRUE(hasColour(queue.colors.front(), scoreColour(0.0)));
   EXPECT_TRUE(hasColour(queue.colors.back(), scoreColour(1.0)));

@@ -10,7 +10,7 @@
 #include "camera_self_calibration/queue/agreement.h"
 #include "camera_self_calibration/queue/candidate_outlook.h"
 #include "camera_self_calibration/queue/candidate_window.h"
-#include "camera_self_calibration/queue/queue_estimate.h"
+#include "camera_self_calibration/queue/segment_queue.h"
 
 namespace camera_self_calibration {
 
@@ -29,8 +29,8 @@ struct ChangeVerdict {
   Camera camera;                  ///< kChange, kDrift: the estimate for what is seen now.
   IntrinsicsMatrix information;   ///< Of `camera`, n_c x n_c.
   double excess = 0.0;            ///< kChange by the newest window: its statistic per observation.
-  Segment segment;                ///< kChange: the newest stretch, solved; may begin earlier.
-  std::vector<Candidate> recent;  ///< kChange, kDrift: disjoint stretches after the change.
+  Segment segment;                ///< kChange: the newest segment, solved; may begin earlier.
+  std::vector<Candidate> recent;  ///< kChange, kDrift: disjoint segments after the change.
   std::vector<std::int64_t> stale;  ///< kDrift: sequences of the queue's segments to retire.
   std::string reason;               ///< In words, but for kSame.
 };
@@ -52,25 +52,23 @@ class ChangeDetector {
   /// A keyframe's window as it came (`window`) and as a solved candidate; `suspected_onset_ns` is
   /// that of InnovationMonitor, 0 for none.
   ChangeVerdict examine(const Segment& window, const Candidate& candidate,
-                        std::int64_t suspected_onset_ns, const QueueEstimate& queue,
-                        const QueueSolution& solution);
+                        std::int64_t suspected_onset_ns, const SegmentQueue& queue);
 
   /// For a window that will not enter the queue: the p-value of its outlook, if that leaves no
   /// need to solve it as a candidate for examine(). Nothing where anything is suspected or in
   /// doubt, where the tracks fit worse than usual, or where the window is the first after those
   /// that the slow tests remember.
   std::optional<double> clearlySame(const CandidateOutlook& outlook,
-                                    std::int64_t suspected_onset_ns, const QueueEstimate& queue,
-                                    const QueueSolution& solution);
+                                    std::int64_t suspected_onset_ns, const SegmentQueue& queue);
 
   /// The same while the lens is still being learnt, against what was known of it before the window
   /// began.
   ChangeVerdict examineUnfinished(const Segment& window, const Candidate& candidate,
                                   const Reference& reference);
 
-  /// The newest disjoint stretches that fit a lens as well as the queue's segments and share no
+  /// The newest disjoint segments that fit a lens as well as the queue's segments and share no
   /// moment with them.
-  std::vector<Evidence> stretchesBeside(const QueueEstimate& queue) const;
+  std::vector<QuadraticLikelihood> segmentsBeside(const SegmentQueue& queue) const;
 
   /// Forgets what was seen, at the beginning of an epoch.
   void reset() {
@@ -85,40 +83,38 @@ class ChangeDetector {
  private:
   static constexpr double kDoubt = 1e-2;  // p-value below which nothing enters the queue
 
-  struct Stretch {
+  struct RememberedSegment {
     Candidate candidate;
-    Evidence evidence;
+    QuadraticLikelihood likelihood;
   };
 
   static std::string withP(const char* text, double p_value);
   void measureInterval(std::int64_t stamp_ns);
   ChangeVerdict examineKeyframe(const Segment& window, const Candidate& candidate,
-                                std::int64_t suspected_onset_ns, const QueueEstimate& queue,
-                                const QueueSolution& solution);
+                                std::int64_t suspected_onset_ns, const SegmentQueue& queue);
   ChangeVerdict examineSuspicion(const Segment& window, int earlier_keyframes,
                                  const Reference& reference) const;
   ChangeVerdict examineCandidate(const Segment& window, const Candidate& candidate,
-                                 const Reference& reference, const QueueEstimate& queue,
-                                 const QueueSolution& solution);
+                                 const Reference& reference, const SegmentQueue& queue);
   ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
   ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
                               const Reference& reference) const;
-  // In slow_change.cpp: the newest stretches.
-  bool isNewStretch(std::int64_t begin_ns) const;  // shares nothing with those remembered
-  void remember(const Candidate& candidate, const Evidence& evidence);
-  std::vector<Evidence> allStretches(const QueueEstimate& queue) const;
-  ChangeVerdict examineRecent(const QueueEstimate& queue, const QueueSolution& solution) const;
-  ChangeVerdict examineStep(const QueueEstimate& queue, const QueueSolution& solution) const;
-  ChangeVerdict explain(const Reference& reference, double p_value, const QueueEstimate& queue,
-                        const QueueSolution& solution) const;
+  // In slow_change.cpp: the newest segments.
+  bool isNewSegment(std::int64_t begin_ns) const;  // shares nothing with those remembered
+  void remember(const Candidate& candidate, const QuadraticLikelihood& likelihood);
+  std::vector<QuadraticLikelihood> allSegments(const SegmentQueue& queue) const;
+  ChangeVerdict examineRecent(const SegmentQueue& queue) const;
+  ChangeVerdict examineStep(const SegmentQueue& queue) const;
+  ChangeVerdict explain(const Reference& reference, double p_value,
+                        const SegmentQueue& queue) const;
 
   double rate_;
   double interval_s_ = 0.3;  // between keyframes, running mean
   std::int64_t last_stamp_ns_ = 0;
   double usual_residual_scale_ = 1.0;
-  std::deque<Stretch> recent_;  // disjoint, in the order of time
-  bool in_doubt_ = false;       // what the newest keyframe said
-  int findings_ = 0;            // keyframes in a row that found the lens `found_`
+  std::deque<RememberedSegment> recent_;  // disjoint, in the order of time
+  bool in_doubt_ = false;                 // what the newest keyframe said
+  int findings_ = 0;                      // keyframes in a row that found the lens `found_`
   Camera found_;
 };
 

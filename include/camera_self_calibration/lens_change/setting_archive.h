@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "camera_self_calibration/camera/camera.h"
-#include "camera_self_calibration/queue/queue_estimate.h"
 #include "camera_self_calibration/queue/segment_queue.h"
 
 namespace camera_self_calibration {
@@ -14,8 +13,6 @@ namespace camera_self_calibration {
 struct Setting {
   std::uint64_t epoch = 0;
   SegmentQueue queue;
-  QueueEstimate estimate;
-  QueueSolution solution;
 };
 
 /// The latest settings of a lens that is zoomed or refocused now and then, so that one that returns

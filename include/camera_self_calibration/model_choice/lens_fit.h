@@ -7,7 +7,7 @@
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/image_field.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/queue/queue_estimate.h"
+#include "camera_self_calibration/queue/queue_solution.h"
 
 namespace camera_self_calibration {
 

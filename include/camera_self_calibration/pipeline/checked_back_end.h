@@ -5,36 +5,36 @@
 
 #include "camera_self_calibration/lens_change/recheck.h"
 #include "camera_self_calibration/pipeline/back_end.h"
+#include "camera_self_calibration/pipeline/back_end_report.h"
 
 namespace camera_self_calibration {
 
 /// A BackEnd that may begin with a saved state: converged at once, and re-checked. Until the new
 /// images have told enough, a second BackEnd learns from them alone. If both agree the saved state
-/// goes on, with the new segments; if not, the saved one is let go, the lens counts as changed, and
+/// goes on, with the new segments; if not, it is discarded, the lens counts as changed, and
 /// learning goes on with what the new images said.
 class CheckedBackEnd {
  public:
-  CheckedBackEnd(const Options& options, const Beginning& beginning);
+  /// Counts on from `counters`.
+  CheckedBackEnd(const Options& options, const Beginning& beginning, const Counters& counters = {});
+
+  /// Forgets everything but the revision, which goes on.
+  void beginAgain(const Beginning& beginning);
 
   /// `frozen`: the calibration stays as it is, whatever the keyframe says.
   BackEndOutput process(const KeyframeMessage& message, bool frozen);
 
-  /// Revisions go on after these.
-  void continueAfter(std::uint64_t revision) { main_.continueAfter(revision); }
-  std::uint64_t revision() const { return main_.report().revision; }
-
   /// All that was learnt; nothing until the queue has taken over.
-  std::shared_ptr<const LearntState> state() const { return main_.state(); }
+  std::shared_ptr<const LearntState> state() const { return learntStateOf(main_.state()); }
 
  private:
   void check(const KeyframeMessage& message, BackEndOutput* output);
   void confirm(const Recheck& recheck, BackEndOutput* output);
-  void letGo(const Recheck& recheck, BackEndOutput fresh, BackEndOutput* output);
+  void discardRestored(const Recheck& recheck, BackEndOutput fresh, BackEndOutput* output);
 
   Options options_;
   BackEnd main_;
   std::unique_ptr<BackEnd> fresh_;  // while a saved state is being checked
-  bool announced_ = true;           // that a restored calibration is in use
   std::int64_t first_stamp_ns_ = 0;
   int contradictions_ = 0;  // in a row
 };

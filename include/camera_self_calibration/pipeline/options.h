@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
-#include "camera_self_calibration/queue/segment_queue.h"
+#include "camera_self_calibration/queue/queue_policy.h"
 #include "camera_self_calibration/tracking/keyframe_rule.h"
 #include "camera_self_calibration/tracking/tracker.h"
 

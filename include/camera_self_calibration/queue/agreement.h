@@ -6,14 +6,14 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/map/segment.h"
-#include "camera_self_calibration/queue/queue_estimate.h"
 #include "camera_self_calibration/queue/scatter.h"
+#include "camera_self_calibration/queue/segment_queue.h"
 
 namespace camera_self_calibration {
 
-/// What a stretch of video says of the intrinsics: the log-likelihood as a quadratic at `point`,
+/// What a segment of video says of the intrinsics: the log-likelihood as a quadratic at `point`,
 /// poses and landmarks at their best for it. n_c values each.
-struct Evidence {
+struct QuadraticLikelihood {
   std::int64_t begin_ns = 0;
   std::int64_t end_ns = 0;
   Intrinsics point;
@@ -31,12 +31,12 @@ struct Evidence {
 double squaredDistance(const Intrinsics& gradient, const IntrinsicsMatrix& information);
 
 /// What a solved candidate says, at its own optimum, where the gradient vanishes.
-Evidence ownEvidence(const Candidate& candidate);
+QuadraticLikelihood ownLikelihood(const Candidate& candidate);
 
 /// Solves poses and landmarks of a copy of the segment with the intrinsics held, sigmas multiplied
 /// by `sigma_scale`, and linearises there. Nothing if there is no solution.
-std::optional<Evidence> evidenceAt(const Camera& camera, const Segment& segment,
-                                   double sigma_scale);
+std::optional<QuadraticLikelihood> likelihoodAt(const Camera& camera, const Segment& segment,
+                                                double sigma_scale);
 
 /// The observations of `segment` with the poses and landmarks of `start`, which it is a part of,
 /// and which were estimated with other intrinsics.
@@ -53,11 +53,9 @@ struct Reference {
 
 /// The queue's estimate without the segments that share a moment with [begin, end], by subtracting
 /// what they said at the joint optimum; its scatter is that of the segments that are left, or of
-/// all where a single one is. `solution` is that of the queue as it is. Nothing if the rest does
-/// not determine the intrinsics.
+/// all where a single one is. Nothing if the rest does not determine the intrinsics.
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
-                                          const QueueEstimate& queue,
-                                          const QueueSolution& solution);
+                                          const SegmentQueue& queue);
 
 /// Hotelling's statistic for two estimates of the same intrinsics that share no data.
 struct Agreement {
@@ -65,12 +63,15 @@ struct Agreement {
   double p_value = 1.0;    ///< Probability of so large a value if the intrinsics are the same.
 };
 
-/// Whether stretches that share no data, taken together, agree with the reference. Directions that
+/// Whether segments that share no data, taken together, agree with the reference. Directions that
 /// they do not determine do not count.
-Agreement agreement(const std::vector<Evidence>& evidence, const Reference& reference);
+Agreement agreement(const std::vector<QuadraticLikelihood>& likelihoods,
+                    const Reference& reference);
 
-/// The intrinsics that evidence and reference, taken as independent, agree on best; n_c values.
-Intrinsics compromise(const std::vector<Evidence>& evidence, const Reference& reference);
+/// The intrinsics that the likelihoods and the reference, taken as independent, agree on best; n_c
+/// values.
+Intrinsics compromise(const std::vector<QuadraticLikelihood>& likelihoods,
+                      const Reference& reference);
 
 /// p-value of a statistic with n_c degrees of freedom: chi-square; where the reference's inflation
 /// is more than chance, F with the variance moderated towards the sigmas as they are (as if five

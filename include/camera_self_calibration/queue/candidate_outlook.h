@@ -14,7 +14,7 @@ struct CandidateOutlook {
   /// The best score that it can have as a candidate: with all tracks, and the tracker's own sigmas.
   SegmentScore best;
   /// At the given intrinsics, with the sigmas that explain the residuals there.
-  Evidence evidence;
+  QuadraticLikelihood likelihood;
   double sigma_scale = 1.0;  ///< Of these sigmas, against the tracker's own; at least 1.
 };
 
@@ -23,6 +23,6 @@ CandidateOutlook outlookOf(const Segment& segment, const Camera& camera);
 
 /// Whether residuals of this sigma scale are about as large as those of the queue's candidates:
 /// where they are much larger, poses and depths have not settled, or the lens is another one.
-bool fitsAsUsual(double sigma_scale, const QueueEstimate& queue);
+bool fitsAsUsual(double sigma_scale, const SegmentQueue& queue);
 
 }  // namespace camera_self_calibration

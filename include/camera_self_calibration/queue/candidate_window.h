@@ -8,7 +8,7 @@
 
 namespace camera_self_calibration {
 
-/// What one stretch of the trajectory, by itself, tells of the intrinsics.
+/// What one segment of the trajectory, by itself, tells of the intrinsics.
 struct Candidate {
   Segment observed;              ///< As it was offered.
   Segment segment;               ///< Solved, outliers removed.

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "camera_self_calibration/camera/image_field.h"
-#include "camera_self_calibration/queue/queue_estimate.h"
+#include "camera_self_calibration/queue/queue_solution.h"
 
 namespace camera_self_calibration {
 

@@ -2,7 +2,7 @@
 
 namespace camera_self_calibration {
 
-/// Stretches that disagree by more than this factor of their uncertainties are not describing one
+/// Segments that disagree by more than this factor of their uncertainties are not describing one
 /// camera, or one of them sits in a wrong minimum.
 constexpr double kMaxInflation = 5.0;
 

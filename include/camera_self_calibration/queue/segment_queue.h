@@ -1,70 +1,79 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/problem.h"
+#include "camera_self_calibration/queue/candidate_window.h"
+#include "camera_self_calibration/queue/queue_policy.h"
+#include "camera_self_calibration/queue/queue_solution.h"
+#include "camera_self_calibration/queue/row_time.h"
+#include "camera_self_calibration/queue/scatter.h"
 
 namespace camera_self_calibration {
 
-/// What makes one segment better than another.
-enum class ScoreKind {
-  kEntropy,  ///< Normalised differential entropy (D-optimality), as in the paper.
-  kPixel     ///< Expected pixel error over the image, rms (I-optimality).
+/// What a joint estimate begins with, beside the segments' own poses and depths.
+struct QueueStart {
+  Camera camera;
+  RowTimeEstimate row_time = {};  ///< One of the unknowns; not usable: known exactly.
+  double row_time_doubt_s = 0.0;  ///< RowTime::doubt [s].
 };
 
-/// "entropy", "pixel".
-std::string toString(ScoreKind kind);
-/// Nothing for any other string.
-std::optional<ScoreKind> scoreKindFromString(const std::string& name);
-
-/// All that the queue's policy looks at: never the queue's own estimate, which would bias the
-/// selection towards it (section II-B).
-struct SegmentScore {
-  std::int64_t sequence = 0;
-  std::int64_t begin_ns = 0;  ///< First and last keyframe; segments that share a moment overlap.
-  std::int64_t end_ns = 0;
-  double entropy = 0.0;          ///< Normalised [nats]; lower is better.
-  double pixel_rms = 0.0;        ///< Expected pixel error, PixelError::rms [px]; lower is better.
-  IntrinsicsMatrix information;  ///< Marginal, n_c x n_c.
-  bool well_posed = true;
-};
-
-struct QueueDecision {
-  bool accepted = false;
-  std::vector<std::int64_t> replaced;  ///< Sequences that leave the queue.
-  std::string reason;                  ///< In words.
-};
-
-/// The priority queue of the best segments (section II-B). By entropy a candidate is better when
-/// `h_c < h - n_c ln(1/alpha)`: its geometric-mean sigma is smaller by the share 1 - alpha,
-/// whatever the sign of the entropies. By pixel error it is better when `e_c < alpha e`. It is
-/// compared with the worst segment; or, if it overlaps some, with these alone: with their joint
-/// covariance if several, and then replaces all of them.
+/// The priority queue of the best segments (section II-B) with what they tell jointly. Whatever
+/// happens to it:
+/// - its segments were all accepted by the policy, so that no two of them share a moment;
+/// - solution() is that of the segments as they are, not usable if there are none, or none that
+///   explains them together.
 class SegmentQueue {
  public:
-  /// `capacity` >= 1 segments, alpha in (0, 1).
-  SegmentQueue(int capacity, double alpha, ScoreKind kind = ScoreKind::kEntropy)
-      : capacity_(capacity), alpha_(alpha), kind_(kind) {}
+  /// `threads` >= 1 for the joint estimate, which is the same for any number.
+  SegmentQueue(const QueuePolicy& policy, int threads) : policy_(policy), threads_(threads) {}
 
-  /// What offering this candidate would do; changes nothing. `camera` tells the normalisation of a
-  /// joint entropy, and the image that a joint pixel error is over.
+  /// What offer() would do; changes nothing. `camera` as in QueuePolicy::consider.
   QueueDecision consider(const SegmentScore& candidate, const Camera& camera) const;
 
-  /// Considers, and applies the decision.
-  QueueDecision offer(const SegmentScore& candidate, const Camera& camera);
+  /// Takes the candidate if the policy wants it.
+  QueueDecision offer(const Candidate& candidate, const QueueStart& start);
 
-  void remove(const std::vector<std::int64_t>& sequences);
-  void clear() { segments_.clear(); }
-  const std::vector<SegmentScore>& segments() const { return segments_; }
+  /// The same for several, one after the other, with one estimate at the end. How many were taken.
+  int offer(const std::vector<Candidate>& candidates, const QueueStart& start);
+
+  /// Takes out the segments of these sequences, then offers the candidates, and estimates anew.
+  /// How many were taken.
+  int exchange(const std::vector<std::int64_t>& leaving, const std::vector<Candidate>& candidates,
+               const QueueStart& start);
+
+  /// Begins anew with these: the same segments evaluated in another way. How many were taken.
+  int rebuild(const std::vector<Candidate>& candidates, const QueueStart& start);
+
+  void clear();
+
+  /// How the lens drifts, seen from solution(); lasts until the next estimate.
+  void setDrift(const LensDrift& drift) { solution_.drift = drift; }
+
+  /// Solved, in the order of acceptance.
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  const QueueSolution& solution() const { return solution_; }
+
+  /// What all segments together tell of the rolling shutter's time between rows, about the one that
+  /// they are freed of.
+  RowTimeEstimate rowTime() const;
 
  private:
-  int capacity_;
-  double alpha_;
-  ScoreKind kind_;
-  std::vector<SegmentScore> segments_;  // in the order of acceptance
+  QueueDecision take(const Candidate& candidate);
+  int takeAll(const std::vector<Candidate>& candidates);
+  void remove(const std::vector<std::int64_t>& sequences);
+  void solve(const QueueStart& start);
+  bool settle(Problem* problem);
+  void setCovariance(const Problem& problem);
+
+  QueuePolicy policy_;
+  int threads_;
+  std::vector<Candidate> candidates_;
+  std::vector<Segment> own_;  // of each candidate, the solution that it came with
+  Scatter scatter_;           // the newest that was seen
+  QueueSolution solution_;
 };
 
 }  // namespace camera_self_calibration

@@ -77,13 +77,13 @@ class Startup {
   const Segment& segment() const { return segment_; }
   bool usable() const { return usable_; }
   /// Whether it is usable and its uncertainty not useless: before, the motion told nothing.
-  bool tellsLens() const;
+  bool isInformative() const;
   /// Scaled by the residuals where they exceed the tracker's sigma, and less what is not known of
   /// an earlier lens; n_c x n_c.
   const IntrinsicsMatrix& information() const { return information_; }
   /// Inverse of information(); empty where that is singular.
   const IntrinsicsMatrix& covariance() const { return covariance_; }
-  /// Of camera(), over the whole image, what the lens leaves dark too: tellsLens() goes by it.
+  /// Of camera(), over the whole image, what the lens leaves dark too: isInformative() goes by it.
   /// Infinite until it is usable and where the information is singular [px].
   const PixelError& wholeImageUncertainty() const { return whole_image_uncertainty_; }
   /// Robust scale of the residuals against the tracker's own sigma (SegmentFit::residual_scale).
@@ -132,7 +132,7 @@ class Startup {
   PixelError whole_image_uncertainty_;
   double residual_scale_ = 1.0;
   bool usable_ = false;
-  bool told_ = false;           // tellsLens() at the last keyframe that could be judged
+  bool told_ = false;           // isInformative() at the last keyframe that could be judged
   bool ran_away_ = false;       // at the last keyframe that could be judged
   int added_ = 0;               // keyframes
   int next_retry_ = 0;          // count of keyframes at which other guesses are tried next

@@ -1,12 +1,9 @@
 #pragma once
 
-#include <cstdint>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/marginal.h"
-#include "camera_self_calibration/estimation/problem.h"
-#include "camera_self_calibration/queue/candidate_window.h"
 #include "camera_self_calibration/queue/row_time.h"
 #include "camera_self_calibration/queue/scatter.h"
 
@@ -21,7 +18,8 @@ struct LensDrift {
   IntrinsicsMatrix covariance;  ///< Of the lens now, n_c x n_c.
 };
 
-/// The joint estimate of the intrinsics over all segments of the queue.
+/// The joint estimate of the intrinsics over all segments of the queue: eq. 3 over all segments,
+/// which share nothing else; each in its own gauge, weighted by its own residual scale.
 struct QueueSolution {
   bool usable = false;  ///< Valid intrinsics with a covariance.
   Camera camera;
@@ -47,41 +45,6 @@ struct QueueSolution {
   /// The row time is one of the unknowns: makes the covariance larger by what is left open where
   /// it is `doubt_s` off.
   void addUncertaintyOf(const RowTimeEstimate& row_time, double doubt_s);
-};
-
-/// Holds the queue's segments, solved, and re-estimates the intrinsics jointly when they change:
-/// eq. 3 over all segments, which share nothing else; each in its own gauge, weighted by its own
-/// residual scale.
-class QueueEstimate {
- public:
-  explicit QueueEstimate(int threads) : threads_(threads) {}
-
-  void add(const Candidate& candidate) {
-    candidates_.push_back(candidate);
-    own_.push_back(candidate.segment);
-  }
-  void remove(const std::vector<std::int64_t>& sequences);
-  void clear() {
-    candidates_.clear();
-    own_.clear();
-    scatter_ = Scatter();
-  }
-  const std::vector<Candidate>& candidates() const { return candidates_; }
-
-  /// What all segments together tell of the rolling shutter's time between rows, about the one that
-  /// they are freed of; from the state and solution of the last solve.
-  RowTimeEstimate rowTime(const QueueSolution& solution) const;
-
-  /// Starts from the segments' present states and `start`.
-  QueueSolution solve(const Camera& start);
-
- private:
-  bool settle(Problem* problem);
-
-  int threads_;
-  Scatter scatter_;  // the newest that was seen
-  std::vector<Candidate> candidates_;
-  std::vector<Segment> own_;  // of each candidate, the solution that it came with
 };
 
 }  // namespace camera_self_calibration

@@ -1,0 +1,122 @@
+#include "camera_self_calibration/pipeline/back_end_report.h"
+
+#include <string>
+
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/estimation/entropy.h"
+
+namespace camera_self_calibration {
+namespace {
+
+std::string sentenceOf(const BackEndState& state) {
+  std::string sentence = state.health.sentence;
+  const std::string choice = state.model_choice.sentence();
+  if (!choice.empty()) sentence += "; " + choice;
+  if (isStarting(state.phase)) return sentence;
+  for (const std::string& remark :
+       {state.known.cross_validation.sentence(), state.lens_fit.report().sentence(),
+        state.known.observed.unseen_corners}) {
+    if (!remark.empty()) sentence += "; " + remark;
+  }
+  const LensDrift& drift = state.queue.solution().drift;
+  if (!drift.significant) return sentence;
+  return sentence +
+         formatted("; the focal length drifts by some %.2g %% a minute", 100.0 * drift.rate);
+}
+
+SegmentReport reportOf(const Candidate& candidate) {
+  SegmentReport report;
+  report.sequence = candidate.segment.sequence;
+  report.begin_ns = candidate.segment.beginNs();
+  report.end_ns = candidate.segment.endNs();
+  report.entropy = candidate.entropy;
+  report.keyframes = static_cast<int>(candidate.segment.keyframes.size());
+  report.landmarks = static_cast<int>(candidate.segment.landmarks.size());
+  report.observations = static_cast<int>(candidate.segment.observations.size());
+  return report;
+}
+
+}  // namespace
+
+HealthVerdict verdictOn(const BackEndState& state, double converged_rms) {
+  if (state.phase == Phase::kHeld) {
+    return {CalibrationState::kConverged, "the intrinsics were given and are held", ""};
+  }
+  const bool by_queue = queueLeads(state.phase);
+  const LensFitReport& fit = state.lens_fit.report();
+  HealthEvidence evidence;
+  evidence.keyframes = static_cast<int>(state.keyframes);
+  evidence.has_estimate = by_queue || state.startup.usable();
+  evidence.handed_over = !isStarting(state.phase);
+  evidence.information =
+      by_queue ? state.queue.solution().information : state.startup.information();
+  evidence.uncertainty = state.uncertainty();
+  evidence.seeing_share = state.field.share();
+  evidence.threshold_px = converged_rms;
+  evidence.epoch = state.counters.epoch;
+  evidence.obstacle = state.obstacle;
+  if (fit.misfit.rms > state.known.noise.rms) evidence.better_model = fit.better;
+  const bool was_converged = state.health.state == CalibrationState::kConverged;
+  return judgeHealth(evidence, state.known.camera, was_converged);
+}
+
+CalibrationReport reportOf(const BackEndState& state) {
+  CalibrationReport report;
+  report.stamp_ns = state.stamp_ns;
+  report.state = state.health.state;
+  report.sentence = sentenceOf(state);
+  report.hint = state.health.hint;
+  report.camera = state.known.camera;
+  report.covariance = state.known.covariance;
+  report.uncertainty = state.uncertainty();
+  report.entropy = entropy(state.known.camera, state.known.covariance);
+  report.revision = state.counters.revision;
+  report.epoch = state.counters.epoch;
+  report.change_p_value = state.change_p_value;
+  report.last_change = state.last_change;
+  report.handed_over = !isStarting(state.phase);
+  report.keyframes = state.keyframes;
+  report.queue.swaps = state.swaps;
+  report.queue.last_accepted = state.outcome.accepted;
+  report.queue.last_decision = state.outcome.reason;
+  for (const Candidate& candidate : state.queue.candidates()) {
+    report.queue.segments.push_back(reportOf(candidate));
+  }
+  report.shutter = state.shutter.report();
+  report.observed = state.known.observed;
+  report.cross_validation = state.known.cross_validation;
+  report.lens_fit = state.lens_fit.report();
+  report.models = state.model_choice.evidence();
+  return report;
+}
+
+CalibrationUpdate updateOf(const BackEndState& state) {
+  CalibrationUpdate update;
+  update.camera = state.known.camera;
+  update.generation = state.counters.revision;
+  update.handed_over = state.phase == Phase::kHandedOver;
+  update.uncertainty_px = state.uncertainty().rms;
+  update.epoch = state.counters.epoch;
+  update.row_time_s = state.shutter.rowTime().inUse();
+  update.onset_ns = state.watch.onsetNs();
+  if (!queueLeads(state.phase)) update.solution = state.startup.segment();
+  return update;
+}
+
+std::shared_ptr<const LearntState> learntStateOf(const BackEndState& state) {
+  if (isStarting(state.phase) || state.phase == Phase::kHeld) return nullptr;
+  auto learnt = std::make_shared<LearntState>();
+  learnt->camera = state.known.camera;
+  learnt->state = state.health.state;
+  learnt->stamp_ns = state.stamp_ns;
+  learnt->keyframes = state.keyframes;
+  learnt->revision = state.counters.revision;
+  learnt->epoch = state.counters.epoch;
+  learnt->row_time_s = state.shutter.rowTime().inUse();
+  const RowTimeEstimate& row_time = state.shutter.rowTime().estimate();
+  if (row_time.usable) learnt->row_time_sigma_s = row_time.sigma_s;
+  learnt->segments = state.queue.candidates();
+  return learnt;
+}
+
+}  // namespace camera_self_calibration

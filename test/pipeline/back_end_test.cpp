@@ -1,0 +1,312 @@
+// The back end's state machine, driven by what the front end of a simulated run sends.
+
+#include "camera_self_calibration/pipeline/back_end.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <utility>
+
+#include "camera_self_calibration/pipeline/back_end_report.h"
+#include "camera_self_calibration/pipeline/checked_back_end.h"
+#include "lens_change/change_samples.h"
+#include "pipeline/track_run.h"
+
+namespace camera_self_calibration {
+namespace {
+
+using Transition = std::pair<Phase, Phase>;
+
+TrackRunOptions shortRun() {
+  TrackRunOptions run;
+  run.rate_hz = 10.0;
+  run.max_features = 60;
+  return run;
+}
+
+const Camera& lens() {
+  static const Camera lens = ordinaryCameras()[1];
+  return lens;
+}
+
+Camera guess() { return Camera::defaultGuess(lens().model(), lens().width(), lens().height()); }
+
+/// A back end that receives what that of a run does, and the rules that hold whatever happens.
+class Watched {
+ public:
+  explicit Watched(const Options& options, const TrackRunOptions& run_options = shortRun())
+      : run(lens(), options, run_options), back_end(options, guess()) {
+    run.record.on_keyframe = [this](const KeyframeMessage& message) {
+      const Phase before = back_end.state().phase;
+      const std::uint64_t revision = back_end.state().counters.revision;
+      const std::size_t events = outputs.empty() ? 0 : eventCount();
+      outputs.push_back(back_end.process(message));
+      expectRules(revision);
+      if (before != back_end.state().phase) transitions.insert({before, back_end.state().phase});
+      if (isStarting(before) && back_end.state().phase == Phase::kHandedOver) {
+        EXPECT_GT(eventCount(), events) << "hand-over is an event";
+      }
+    };
+  }
+
+  bool runUntil(Phase phase, int frames) {
+    for (int i = 0; i < frames && back_end.state().phase != phase; ++i) run.step();
+    return back_end.state().phase == phase;
+  }
+  std::size_t eventCount() const {
+    std::size_t count = 0;
+    for (const BackEndOutput& output : outputs) count += output.events.size();
+    return count;
+  }
+  const CalibrationReport& report() const { return outputs.back().report; }
+
+  TrackRun run;
+  BackEnd back_end;
+  std::vector<BackEndOutput> outputs;
+  std::set<Transition> transitions;
+
+ private:
+  void expectRules(std::uint64_t revision) const {
+    const BackEndOutput& output = outputs.back();
+    const Phase phase = back_end.state().phase;
+    EXPECT_EQ(output.report.handed_over, !isStarting(phase)) << toString(phase);
+    EXPECT_EQ(output.report.revision, revision + (output.update ? 1 : 0));
+    EXPECT_EQ(output.report.queue.segments.size(), back_end.state().queue.candidates().size());
+    EXPECT_TRUE(segmentsAreDisjoint(output.report.queue));
+    for (const Event& event : output.events) EXPECT_EQ(event.epoch, output.report.epoch);
+    EXPECT_EQ(learntStateOf(back_end.state()) != nullptr, !isStarting(phase));
+    if (!output.update) return;
+    EXPECT_EQ(output.update->generation, output.report.revision);
+    EXPECT_EQ(output.update->camera.parameters(), output.report.camera.parameters());
+    EXPECT_EQ(output.update->handed_over, phase == Phase::kHandedOver);
+    EXPECT_EQ(output.update->solution.has_value(), !queueLeads(phase)) << toString(phase);
+  }
+};
+
+TEST(BackEnd, LearnsFromNothingToHandover) {
+  Watched watched(optionsFor(lens().model()));
+  EXPECT_EQ(watched.back_end.state().phase, Phase::kNothingKnown);
+  ASSERT_TRUE(watched.runUntil(Phase::kHandedOver, 300));
+  EXPECT_TRUE(watched.transitions.count({Phase::kNothingKnown, Phase::kStartupLeads}));
+  EXPECT_EQ(watched.outputs.front().report.queue.last_decision,
+            "not considered: all keyframes together tell nothing yet");
+  EXPECT_LT(pixelDistance(lens(), watched.back_end.state().known.camera).rms, 2.0);
+  // Nothing but a change of the lens leads out of it.
+  watched.run.run(60);
+  EXPECT_EQ(watched.back_end.state().phase, Phase::kHandedOver);
+  // The same input, the same output as that of the run's own.
+  const CalibrationReport own = watched.run.report();
+  EXPECT_EQ(own.camera.parameters(), watched.report().camera.parameters());
+  EXPECT_EQ(own.revision, watched.report().revision);
+  EXPECT_EQ(own.sentence, watched.report().sentence);
+}
+
+TEST(BackEnd, StaysWhereNothingIsKnownWhileMotionDoesNotInform) {
+  TrackRunOptions run = shortRun();
+  run.motion = MotionKind::kForwardOnly;
+  Watched watched(optionsFor(lens().model()), run);
+  watched.run.run(120);
+  ASSERT_GT(watched.outputs.size(), 12u);
+  EXPECT_EQ(watched.back_end.state().phase, Phase::kNothingKnown);
+  EXPECT_TRUE(watched.transitions.empty());
+  EXPECT_TRUE(watched.back_end.state().queue.candidates().empty());
+  for (const BackEndOutput& output : watched.outputs) EXPECT_FALSE(output.update);
+}
+
+// Where hand-over never comes, the better of batch and queue leads. A new map ends the batch, not
+// the queue.
+TEST(BackEnd, BeforeHandoverTheBetterLeads) {
+  Options options = optionsFor(lens().model());
+  options.converged_pixel_rms = 1e-4;
+  Watched watched(options);
+  ASSERT_TRUE(watched.runUntil(Phase::kStartupLeads, 100));
+  watched.run.run(80);
+  watched.run.calibrator().resetTracking();
+  ASSERT_TRUE(watched.runUntil(Phase::kQueueLeads, 100));
+  watched.run.run(60);
+  EXPECT_TRUE(isStarting(watched.back_end.state().phase));
+  EXPECT_NE(watched.report().sentence.find("is needed"), std::string::npos)
+      << watched.report().sentence;
+  EXPECT_EQ(watched.report().state, CalibrationState::kInitializing);
+  EXPECT_LT(pixelDistance(lens(), watched.back_end.state().known.camera).rms, 2.0);
+}
+
+TEST(BackEnd, AnotherLensBeginsAnEpochAndOneThatReturnsIsRecognised) {
+  constexpr double kChangeS = 20.0, kReturnS = 28.0;
+  TrackRunOptions run = shortRun();
+  run.lens = [](double t) { return t < kChangeS || t > kReturnS ? lens() : zoomed(lens(), 1.15); };
+  Options options = optionsFor(lens().model());
+  options.converged_pixel_rms = 3.0;  // so that the batch soon tells which setting it is
+  Watched watched(options, run);
+  ASSERT_TRUE(watched.runUntil(Phase::kHandedOver, 200));
+  while (watched.back_end.state().phase == Phase::kHandedOver &&
+         watched.run.record.frames.size() < 260) {
+    watched.run.step();
+  }
+  ASSERT_TRUE(isStarting(watched.back_end.state().phase));
+  EXPECT_EQ(watched.back_end.state().counters.epoch, 1u);
+  EXPECT_TRUE(watched.transitions.count({Phase::kHandedOver, Phase::kStartupLeads}));
+  const BackEndOutput& change = watched.outputs.back();
+  ASSERT_FALSE(change.events.empty());
+  EXPECT_EQ(change.events.front().type, EventType::kCalibrationChange);
+  EXPECT_EQ(change.report.last_change, change.events.front().sentence);
+  EXPECT_NE(change.report.state, CalibrationState::kConverged);
+  ASSERT_TRUE(change.update) << "the front end needs it at once";
+  EXPECT_EQ(change.update->onset_ns, change.events.front().onset_stamp_ns);
+  EXPECT_GT(change.update->camera.parameters()(0), 1.05 * lens().parameters()(0));
+  for (const Candidate& candidate : watched.back_end.state().queue.candidates()) {
+    EXPECT_GE(candidate.segment.beginNs(), change.update->onset_ns) << "of the old lens";
+  }
+  ASSERT_TRUE(watched.runUntil(Phase::kHandedOver, 100));
+  watched.run.run(200);
+  EXPECT_EQ(watched.back_end.state().counters.epoch, 2u);
+  EXPECT_EQ(watched.back_end.state().phase, Phase::kHandedOver);
+  EXPECT_LT(pixelDistance(lens(), watched.back_end.state().known.camera).rms, 1.0);
+  bool recognised = false;
+  for (const BackEndOutput& output : watched.outputs) {
+    for (const Event& event : output.events) {
+      recognised |= event.sentence.find("known from epoch 0") != std::string::npos;
+    }
+  }
+  EXPECT_TRUE(recognised);
+}
+
+TEST(BackEnd, HeldIntrinsicsStayAsGiven) {
+  Options options = optionsFor(lens().model());
+  options.initial_camera = lens();
+  options.fix_intrinsics = true;
+  TrackRun run(lens(), options, shortRun());
+  BackEnd back_end(options, lens());
+  int keyframes = 0;
+  run.record.on_keyframe = [&](const KeyframeMessage& message) {
+    const BackEndOutput output = back_end.process(message);
+    EXPECT_FALSE(output.update);
+    EXPECT_EQ(output.report.state, CalibrationState::kConverged);
+    EXPECT_EQ(output.report.uncertainty.rms, 0.0);
+    EXPECT_EQ(output.report.keyframes, message.keyframes);
+    ++keyframes;
+  };
+  run.run(60);
+  EXPECT_GT(keyframes, 3);
+  EXPECT_EQ(back_end.state().phase, Phase::kHeld);
+  EXPECT_EQ(back_end.state().known.camera.parameters(), lens().parameters());
+  EXPECT_FALSE(learntStateOf(back_end.state()));
+}
+
+/// What a run learnt, and the keyframes that followed.
+struct Learnt {
+  std::shared_ptr<const LearntState> state;
+  std::vector<KeyframeMessage> later;
+};
+
+const Learnt& learnt() {
+  static const Learnt learnt = [] {
+    TrackRun run(lens(), optionsFor(lens().model()), shortRun());
+    EXPECT_TRUE(run.runUntilConverged(400));
+    run.run(50);
+    Learnt result;
+    result.state = run.calibrator().state();
+    EXPECT_TRUE(result.state);
+    run.record.on_keyframe = [&](const KeyframeMessage& message) {
+      result.later.push_back(message);
+    };
+    run.run(40);
+    return result;
+  }();
+  return learnt;
+}
+
+TEST(BackEnd, ARestoredQueueIsHeldUntilItIsConfirmed) {
+  ASSERT_TRUE(learnt().state);
+  BackEnd back_end(optionsFor(lens().model()), guess());
+  ASSERT_TRUE(back_end.restore(*learnt().state));
+  EXPECT_EQ(back_end.state().phase, Phase::kRestored);
+  EXPECT_EQ(back_end.state().queue.candidates().size(), learnt().state->segments.size());
+  EXPECT_EQ(back_end.state().counters.revision, learnt().state->revision);
+  const Camera restored = back_end.state().known.camera;
+  EXPECT_LT(pixelDistance(restored, learnt().state->camera).rms, 0.02);
+  const BackEndOutput first = back_end.hold(learnt().later[0], "; a remark");
+  EXPECT_EQ(first.report.state, CalibrationState::kConverged);
+  EXPECT_TRUE(first.report.handed_over);
+  EXPECT_NE(first.report.sentence.find("; a remark"), std::string::npos);
+  ASSERT_EQ(first.events.size(), 1u);
+  EXPECT_EQ(first.events[0].type, EventType::kConverged);
+  ASSERT_TRUE(first.update);
+  EXPECT_FALSE(first.update->handed_over) << "the front end still sends the whole history";
+  EXPECT_FALSE(first.update->solution);
+  const BackEndOutput second = back_end.hold(learnt().later[1], "");
+  EXPECT_TRUE(second.events.empty());
+  EXPECT_FALSE(second.update);
+  EXPECT_EQ(back_end.state().known.camera.parameters(), restored.parameters())
+      << "nothing is learnt";
+  const BackEndOutput confirmed = back_end.confirm({});
+  EXPECT_EQ(back_end.state().phase, Phase::kHandedOver);
+  ASSERT_TRUE(confirmed.update);
+  EXPECT_TRUE(confirmed.update->handed_over);
+  EXPECT_EQ(back_end.state().known.camera.parameters(), restored.parameters());
+}
+
+TEST(BackEnd, WhatCannotBeRestoredChangesNothing) {
+  ASSERT_TRUE(learnt().state);
+  const auto refuses = [](BackEnd back_end, const LearntState& state) {
+    const Camera before = back_end.state().known.camera;
+    EXPECT_FALSE(back_end.restore(state));
+    EXPECT_EQ(back_end.state().phase, Phase::kNothingKnown);
+    EXPECT_EQ(back_end.state().known.camera.parameters(), before.parameters());
+    EXPECT_TRUE(back_end.state().queue.candidates().empty());
+    EXPECT_EQ(back_end.state().counters.revision, 0u);
+  };
+  const Options options = optionsFor(lens().model());
+  refuses(BackEnd(options, Camera::defaultGuess(lens().model(), 320, 240)), *learnt().state);
+  refuses(BackEnd(options, Camera::defaultGuess(CameraModel::kPinhole, 640, 480)), *learnt().state);
+  refuses(BackEnd(options, guess()), LearntState());
+}
+
+TEST(BackEnd, CountsOnFromWhereItBegins) {
+  BackEnd back_end(optionsFor(lens().model()), guess(), {7, 2});
+  const BackEndOutput first = back_end.process(learnt().later[0]);
+  EXPECT_EQ(first.report.revision, 8u);
+  EXPECT_EQ(first.report.epoch, 2u);
+  ASSERT_TRUE(first.update) << "what the front end has is no longer in use";
+  EXPECT_EQ(first.update->epoch, 2u);
+  EXPECT_FALSE(back_end.process(learnt().later[0]).update);
+}
+
+TEST(CheckedBackEnd, AResetForgetsAllButTheRevision) {
+  ASSERT_TRUE(learnt().state);
+  Beginning known;
+  known.camera = learnt().state->camera;
+  known.state = learnt().state;
+  CheckedBackEnd back_end(optionsFor(lens().model()), known);
+  const std::uint64_t before = back_end.process(learnt().later[0], false).report.revision;
+  EXPECT_GT(before, learnt().state->revision);
+  EXPECT_TRUE(back_end.state());
+  Beginning anew;
+  anew.camera = guess();
+  back_end.beginAgain(anew);
+  EXPECT_FALSE(back_end.state());
+  const CalibrationReport report = back_end.process(learnt().later[1], false).report;
+  EXPECT_GT(report.revision, before);
+  EXPECT_EQ(report.epoch, 0u);
+  EXPECT_FALSE(report.handed_over);
+  EXPECT_EQ(report.sentence.find("restored"), std::string::npos);
+}
+
+TEST(CheckedBackEnd, FrozenItLearnsNothing) {
+  ASSERT_TRUE(learnt().state);
+  Beginning known;
+  known.camera = learnt().state->camera;
+  known.state = learnt().state;
+  CheckedBackEnd back_end(optionsFor(lens().model()), known);
+  const BackEndOutput first = back_end.process(learnt().later[0], true);
+  EXPECT_TRUE(first.report.frozen);
+  EXPECT_NE(first.report.sentence.find("frozen"), std::string::npos);
+  for (const KeyframeMessage& message : learnt().later) {
+    const BackEndOutput output = back_end.process(message, true);
+    EXPECT_EQ(output.report.camera.parameters(), first.report.camera.parameters());
+    EXPECT_FALSE(output.update);
+  }
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
