@@ -223,6 +223,10 @@ void BackEnd::considerHandover() {
     return;
   }
   const HandoverLimits limits{2.0 * convergedRms(), options_.handover_entropy};
+  const PixelError startup_uncertainty = startupUncertainty(state_.startup, state_.field);
+  if (state_.queue.candidates().size() < 2 && startup_uncertainty.rms < limits.pixel_rms) {
+    offerHalves();
+  }
   const QueueStanding standing = queueStanding(state_.startup, state_.queue, state_.field);
   state_.obstacle = standing.doubt;
   if (standing.contradicts_startup && standing.startup_uncertainty.rms < limits.pixel_rms) {
@@ -237,6 +241,16 @@ void BackEnd::considerHandover() {
         formatted("the calibration now rests on several segments of video (the queue), good to "
                   "%.2f px rms (limit %.2f px)",
                   state_.uncertainty().rms, limits.pixel_rms));
+}
+
+// Windows that overlap replace one another, so that a short video, or slow motion, seldom leaves
+// two separate ones. The batch has seen enough for both.
+void BackEnd::offerHalves() {
+  std::vector<Candidate> halves;
+  for (const Segment& half : state_.startup.halves()) {
+    halves.push_back(evaluateCandidate(CandidateOptions(), half, state_.startup.camera()));
+  }
+  adoptChange(state_.queue.offer(halves, queueStart()));
 }
 
 // Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.

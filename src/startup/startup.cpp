@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -251,6 +252,15 @@ RowTimeEstimate Startup::rowTime() const {
   if (!isInformative()) return RowTimeEstimate();
   Segment segment = gated_;
   return estimateRowTime({freeBlock(&segment, camera_)}, camera_, options_.growth.prior, 1);
+}
+
+std::vector<Segment> Startup::halves() const {
+  if (!usable_ || gated_.isEarlier(0)) return {};
+  std::vector<char> later(gated_.keyframes.size(), 0);
+  std::fill(later.begin() + static_cast<std::ptrdiff_t>(later.size() / 2), later.end(), 1);
+  std::vector<char> earlier(later.size());
+  std::transform(later.begin(), later.end(), earlier.begin(), std::logical_not<char>());
+  return {onlyKeyframes(gated_, earlier), onlyKeyframes(gated_, later)};
 }
 
 void Startup::considerK3(const Segment& gated) {

@@ -49,6 +49,21 @@ TEST(Convergence, FromTheDefaultGuessForEachModel) {
   }
 }
 
+// Windows of slow motion overlap, and there are no two separate ones for long.
+TEST(Convergence, ShortOrSlowVideoConvergesWithTheHalvesOfTheBatch) {
+  const Camera truth = ordinaryCameras()[1];
+  TrackRunOptions stand;
+  stand.motion = MotionKind::kRotationOnly;
+  stand.motion_speed = 0.3;
+  TrackRun turning(truth, optionsFor(truth.model()), stand);
+  const bool converged = turning.runUntilConverged(600);
+  std::cout << "rotation: keyframe " << turning.report().keyframes << ", frame "
+            << turning.record.frames.size() << "\n";
+  ASSERT_TRUE(converged) << turning.report().sentence;
+  EXPECT_LT(worstSigmas(turning.report(), truth), 4.0);
+  EXPECT_LT(pixelDistance(truth, turning.report().camera).rms, 1.0);
+}
+
 TEST(Convergence, WithOutliers) {
   const Camera truth = ordinaryCameras()[1];
   TrackRunOptions run;

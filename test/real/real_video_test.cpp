@@ -150,8 +150,12 @@ void judge(const Sequence& sequence, const Outcome& outcome) {
   const bool converged = report.state == CalibrationState::kConverged;
   SCOPED_TRACE(std::string(sequence.bag) + " " + sequence.topic + " " + sequence.model + ": " +
                report.sentence);
-  if (sequence.expected == Expected::kConverged) EXPECT_TRUE(converged);
-  if (sequence.expected == Expected::kNotConverged) EXPECT_FALSE(converged);
+  if (sequence.expected == Expected::kConverged) {
+    EXPECT_TRUE(converged);
+  }
+  if (sequence.expected == Expected::kNotConverged) {
+    EXPECT_FALSE(converged);
+  }
   if (!converged || !sequence.truth) return;
   EXPECT_LE(outcome.error_px, sequence.largest_error_px);
   EXPECT_LE(outcome.error_px, 3.0 * std::hypot(report.uncertainty.rms, sequence.truth->doubt_px));

@@ -62,6 +62,7 @@ class BackEnd {
   void considerRowTime();
   void adoptRowTime();
   void considerHandover();
+  void offerHalves();
   void considerLensFit();
   void judge();
   BackEndOutput finish();

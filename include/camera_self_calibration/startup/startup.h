@@ -69,6 +69,10 @@ class Startup {
   RowTimeEstimate rowTime() const;
   int keyframesAdded() const { return added_; }  ///< In all.
 
+  /// The earlier and the later half of the solved batch, which share no keyframe, without outliers.
+  /// None where it is not usable, or holds keyframes of an earlier lens.
+  std::vector<Segment> halves() const;
+
   const Camera& camera() const { return camera_; }
   /// camera(), but with the directions that are not known to the useless uncertainty at their last
   /// trusted values: those of the last estimate that told the lens, or else the first guess.
