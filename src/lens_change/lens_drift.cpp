@@ -161,7 +161,7 @@ LensDrift estimateDrift(const std::vector<QuadraticLikelihood>& queue,
   return drift;
 }
 
-double driftLikelihoodRatio(const std::vector<QuadraticLikelihood>& segments, const Camera& camera,
+double driftEvidence(const std::vector<QuadraticLikelihood>& segments, const Camera& camera,
                      std::int64_t now_ns) {
   const Intrinsics point = camera.parameters().head(camera.estimatedCount());
   const Intrinsics direction = alongFocalLength(point);

@@ -139,7 +139,7 @@ std::vector<QuadraticLikelihood> inOrder(std::vector<QuadraticLikelihood> segmen
 // Of a random walk or of a ramp, whichever is the likelier.
 double evidenceOfDrift(const Courses& courses, const std::vector<QuadraticLikelihood>& segments,
                        const Camera& camera, std::int64_t now_ns) {
-  return std::max(courses.evidenceOf(Course::kRamp), driftLikelihoodRatio(segments, camera, now_ns));
+  return std::max(courses.evidenceOf(Course::kRamp), driftEvidence(segments, camera, now_ns));
 }
 
 double pValueOf(double evidence) { return std::exp(-0.5 * std::max(0.0, evidence)); }

@@ -26,7 +26,7 @@ LensDrift estimateDrift(const std::vector<QuadraticLikelihood>& queue,
 
 /// Twice the logarithm of the likelihood ratio of such a walk, of the likeliest rate, to a constant
 /// lens.
-double driftLikelihoodRatio(const std::vector<QuadraticLikelihood>& segments, const Camera& camera,
+double driftEvidence(const std::vector<QuadraticLikelihood>& segments, const Camera& camera,
                      std::int64_t now_ns);
 
 }  // namespace camera_self_calibration

@@ -21,7 +21,7 @@ struct LensStep {
 /// Whether disjoint segments show one step of the focal length: segment i shows the intrinsics
 /// `x + (fx, fy, 0, ..) s`, where it comes before the step, else x. Found where a constant lens has
 /// a p-value below `limit`, no single segment decides, and a step is clearly likelier than any slow
-/// drift: a random walk (driftLikelihoodRatio) or a ramp that goes on until now. Unlike a test of the
+/// drift: a random walk (driftEvidence) or a ramp that goes on until now. Unlike a test of the
 /// newest segments against the queue it does not mind that the queue took some from after the
 /// step for its own. `segments`, in any order, are of the intrinsics of `camera`.
 std::optional<LensStep> estimateStep(std::vector<QuadraticLikelihood> segments,
