@@ -1,11 +1,14 @@
 #include "camera_self_calibration/pipeline/shutter.h"
 
+#include <cstdlib>
+
 #include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
 namespace {
 
-// Keyframes more in the startup batch, after which a settled row time is asked for again.
+// Keyframes more in the startup batch, after which it is asked again: another row time means that
+// all segments are evaluated anew.
 constexpr int kKeyframesBetween = 3;
 // Changes of the queue, likewise.
 constexpr int kTakenBetween = 5;
@@ -52,7 +55,8 @@ Candidate Shutter::freed(const Candidate& candidate, const Camera& camera) const
 bool Shutter::ask(const Startup& startup) {
   if (!learns_) return false;
   const int keyframes = startup.keyframesAdded();
-  if (row_time_.settled() && keyframes < keyframes_ + kKeyframesBetween) return false;
+  const bool known = row_time_.estimate().usable;
+  if (known && std::abs(keyframes - keyframes_) < kKeyframesBetween) return false;
   keyframes_ = keyframes;
   return row_time_.take(startup.rowTime());
 }

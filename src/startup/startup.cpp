@@ -19,6 +19,9 @@ namespace {
 // Other guesses are tried after so many keyframes, and again each time there are 3/2 as many.
 constexpr int kFirstRetry = 6;
 constexpr int kNewBatchKeyframes = 12;  // at most, where one begins again
+// A full batch is solved again when this share more keyframes came: its uncertainty can then be by
+// half that share smaller.
+constexpr double kWorthASolve = 0.1;
 constexpr double kHuber = 2.0;
 constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
 // Of the likelihood ratio that k3 needs: promised to first order, it may turn out twice as large.
@@ -82,6 +85,7 @@ void Startup::reset(const Camera& initial) {
   told_ = false;
   ran_away_ = false;
   added_ = 0;
+  next_solve_ = 0;
   next_retry_ = kFirstRetry;
   next_guess_ = 0;
   best_guess_.reset();
@@ -137,7 +141,11 @@ void Startup::add(const Segment& history) {
   } else {
     extend(history);
   }
-  judge();
+  if (!usable_ || added_ >= next_solve_) {
+    judge();
+    const bool full = static_cast<int>(segment_.keyframes.size()) > options_.max_keyframes;
+    next_solve_ = added_ + (full ? static_cast<int>(kWorthASolve * added_) : 0);
+  }
   if (added_ >= next_retry_ &&
       (!usable_ || residual_scale_ * residual_scale_ > options_.retry_cost)) {
     tryOtherGuesses();
@@ -150,6 +158,7 @@ void Startup::add(const Segment& history) {
 
 // A lost map is no reason to forget the lens.
 void Startup::beginBatch(const Segment& history) {
+  next_solve_ = 0;
   next_retry_ = kFirstRetry;
   next_guess_ = 0;
   best_guess_.reset();
@@ -168,6 +177,7 @@ void Startup::beginBatch(const Segment& history) {
 // With what is known of the lens from before, and from few keyframes: bounded time.
 void Startup::beginAgain(const Segment& history) {
   added_ += countAfter(segment_.keyframes.back().id, history);
+  next_solve_ = 0;
   camera_ = next_ ? next_->camera : trusted_;
   options_.growth.prior = next_ ? next_->prior : vaguePrior(camera_);
   segment_ = connectedToNewest(newestKeyframes(history, kNewBatchKeyframes));

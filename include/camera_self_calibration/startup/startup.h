@@ -139,6 +139,7 @@ class Startup {
   bool told_ = false;           // isInformative() at the last keyframe that could be judged
   bool ran_away_ = false;       // at the last keyframe that could be judged
   int added_ = 0;               // keyframes
+  int next_solve_ = 0;          // count of keyframes at which a full batch is solved next
   int next_retry_ = 0;          // count of keyframes at which other guesses are tried next
   std::size_t next_guess_ = 0;  // of them
   std::optional<Guess> best_guess_;
