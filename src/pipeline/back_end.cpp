@@ -13,6 +13,7 @@ namespace {
 StartupOptions startupOptions(const Options& options) {
   StartupOptions startup;
   startup.max_keyframes = options.startup_keyframes;
+  startup.choose_model = !options.model;
   return startup;
 }
 
@@ -48,7 +49,6 @@ BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
     output.report = report_;
     return output;
   }
-  considerModel(message);
   if (!handed_over_) runStartup(message);
   if (handed_over_ || follows_queue_ || startup_.tellsLens()) {
     considerCandidate(message, &output.events);
@@ -99,7 +99,7 @@ BackEndOutput BackEnd::hold(const KeyframeMessage& message, const std::string& r
 
 bool BackEnd::restore(const LearntState& state) {
   const Camera& own = report_.camera;
-  const bool same_model = options_.choose_model || state.camera.model() == own.model();
+  const bool same_model = !options_.model || state.camera.model() == own.model();
   if (!state.problems().empty() || !same_model || state.camera.width() != own.width() ||
       state.camera.height() != own.height()) {
     return false;
@@ -156,35 +156,6 @@ void BackEnd::reportHeldIntrinsics() {
   report_.handed_over = true;
 }
 
-void BackEnd::considerModel(const KeyframeMessage& message) {
-  if (!options_.choose_model || !(handed_over_ || startup_.tellsLens())) return;
-  model_choice_.observe(message.candidate);
-  std::vector<Segment> observed;
-  for (const Candidate& candidate : estimate_.candidates()) {
-    const bool restored = candidate.observed.keyframes.empty();
-    observed.push_back(restored ? candidate.segment : candidate.observed);
-  }
-  const std::optional<Camera> camera =
-      model_choice_.consider(report_.keyframes, observed, report_.camera, options_.solver_threads);
-  report_.models = model_choice_.evidence();
-  if (camera) switchModel(*camera, observed);
-}
-
-// The queue's segments stay, scored anew; if their joint estimate fails, all stays as it was.
-void BackEnd::switchModel(const Camera& camera, const std::vector<Segment>& observed) {
-  BackEnd switched = *this;
-  switched.clearQueue();
-  switched.report_.camera = camera;
-  switched.startup_.switchModel(camera);
-  for (const Segment& segment : observed) {
-    switched.offer(evaluateCandidate(CandidateOptions(), segment, camera));
-  }
-  switched.solveQueue();
-  if (handed_over_ && !switched.solution_.usable) return;
-  switched.report_.queue.swaps = report_.queue.swaps;
-  *this = switched;
-}
-
 void BackEnd::clearQueue() {
   queue_.clear();
   estimate_.clear();
@@ -234,17 +205,6 @@ void BackEnd::adoptSolution() {
   changed_ = true;
 }
 
-// Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.
-void BackEnd::considerLensFit() {
-  if (!handed_over_) return;
-  const bool verdict_due =
-      report_.state != CalibrationState::kConverged && noise_.rms <= convergedRms();
-  if (lens_fit_.consider(report_.keyframes, verdict_due, estimate_.candidates(), solution_, field_,
-                         options_.solver_threads)) {
-    adoptSolution();
-  }
-}
-
 void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   HealthEvidence evidence;
   evidence.keyframes = static_cast<int>(report_.keyframes);
@@ -258,7 +218,8 @@ void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   evidence.epoch = report_.epoch;
   evidence.obstacle = obstacle_;
   const LensFitReport& fit = report_.lens_fit = lens_fit_.report();
-  if (fit.misfit.rms > noise_.rms) evidence.better_model = fit.better;
+  // What the user can do about it; where the model is chosen it follows by itself.
+  if (fit.misfit.rms > noise_.rms && options_.model) evidence.better_model = fit.better;
   const bool was_converged = report_.state == CalibrationState::kConverged;
   const HealthVerdict verdict = judgeHealth(evidence, report_.camera, was_converged);
   report_.state = verdict.state;

@@ -17,10 +17,12 @@ constexpr double kMaxStartupDistance = 4.0;
 
 void BackEnd::runStartup(const KeyframeMessage& message) {
   startup_.add(message.history);
-  if (startup_.usable() && report_.camera.estimatedCount() != startup_.camera().estimatedCount()) {
-    clearQueue();  // its segments were scored for another number of parameters
+  if (startup_.usable() && (report_.camera.estimatedCount() != startup_.camera().estimatedCount() ||
+                            report_.camera.model() != startup_.camera().model())) {
+    clearQueue();  // its segments were scored for other parameters
   }
   followTheBetter();
+  considerStartupModel();
 }
 
 // The batch forgets: it begins anew in every map, and in fast motion leaves out the oldest
@@ -82,10 +84,6 @@ BackEnd::QueueStanding BackEnd::queueStanding() const {
 }
 
 void BackEnd::considerHandover(std::int64_t stamp_ns, std::vector<Event>* events) {
-  if (options_.choose_model && !model_choice_.settled()) {
-    obstacle_ = "the lens model is not chosen yet";
-    return;
-  }
   const double threshold = 2.0 * convergedRms();
   const QueueStanding queue = queueStanding();
   obstacle_ = queue.doubt;

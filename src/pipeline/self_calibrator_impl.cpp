@@ -83,7 +83,7 @@ void SelfCalibrator::Impl::start(int image_width, int image_height,
   } else if (options.initial_camera) {
     next->camera = *options.initial_camera;
   } else {
-    next->camera = Camera::defaultGuess(options.model, image_width, image_height);
+    next->camera = Camera::defaultGuess(options.firstModel(), image_width, image_height);
   }
   beginning = next;
   width = next->camera.width();

@@ -69,7 +69,6 @@ void BackEnd::considerRowTime() {
 void BackEnd::adoptRowTime() {
   const double row_time_s = row_time_.inUse();
   if (!handed_over_) startup_.setRowTime(row_time_s);
-  model_choice_.setRowTime(row_time_s, report_.camera);
   detector_.reset();
   const std::vector<Candidate> candidates = estimate_.candidates();
   const int swaps = report_.queue.swaps;

@@ -129,9 +129,9 @@ bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
 
 Camera ControlServices::unlearnt(int width, int height) const {
   const std::vector<double>& values = options_.initial_intrinsics;
-  if (values.empty()) return Camera::defaultGuess(options_.pipeline.model, width, height);
+  if (values.empty()) return Camera::defaultGuess(options_.pipeline.firstModel(), width, height);
   return Camera(
-      options_.pipeline.model, width, height,
+      options_.pipeline.firstModel(), width, height,
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
 }
 

@@ -32,7 +32,7 @@ std::optional<Camera> StartCamera::fromParameters(int width, int height) const {
   const std::vector<double>& values = options_->initial_intrinsics;
   if (values.empty() || width != first_width_ || height != first_height_) return std::nullopt;
   return Camera(
-      options_->pipeline.model, width, height,
+      options_->pipeline.firstModel(), width, height,
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
 }
 

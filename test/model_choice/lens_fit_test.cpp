@@ -4,10 +4,8 @@
 
 #include <string>
 
-#include "camera/sample_cameras.h"
-#include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "estimation/sample_segments.h"
+#include "model_choice/sample_queues.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -19,41 +17,10 @@ const Camera kAlmostPinhole =
 const Camera kRadtan = camera640(CameraModel::kRadtan, {400, 404, 315, 243, -0.25, 0.05, 0, 0});
 const Camera kWide = camera640(CameraModel::kFov, {311.2, 309.8, 327.4, 233.1, 0.93});
 
-Camera as(CameraModel model, const Camera& camera) {
-  if (model == camera.model()) return camera;
-  Camera fitted = fitCamera(camera, model)->camera;
-  fitted.setEstimateK3(false);
-  return fitted;
-}
-
-struct Queue {
-  QueueEstimate estimate{1};
-  QueueSolution solution;
-};
-
-// Stretches of a trajectory one after the other, seen through `truth`, scored and solved as
-// `model`.
-Queue queueOf(const Camera& truth, CameraModel model, int count) {
-  Queue queue;
-  const Camera start = as(model, truth);
-  for (int i = 0; i < count; ++i) {
-    SegmentOptions options;
-    options.camera = truth;
-    options.start_s = 1.0 + 5.0 * i;
-    options.tracks.max_features = 60;
-    options.tracks.pixel_sigma = 0.2;
-    Segment segment = makeSegment(options, 3).segment;
-    segment.sequence = i;
-    queue.estimate.add(evaluateCandidate(CandidateOptions(), segment, start));
-  }
-  queue.solution = queue.estimate.solve(start);
-  EXPECT_TRUE(queue.solution.usable);
-  return queue;
-}
-
 LensFitReport fitOf(const Queue& queue) {
   LensFit fit{LensFitOptions()};
-  EXPECT_TRUE(fit.consider(40, true, queue.estimate.candidates(), queue.solution, {}, 1));
+  EXPECT_TRUE(
+      fit.consider(40, true, queue.estimate.candidates(), queue.solution, {}, 1).has_value());
   EXPECT_TRUE(fit.report().compared);
   return fit.report();
 }
@@ -102,7 +69,8 @@ TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {
   const Queue queue = queueOf(kPinhole, CameraModel::kPinhole, 3);
   const Queue longer = queueOf(kPinhole, CameraModel::kPinhole, 4);
   const auto consider = [](LensFit* fit, int keyframes, bool due, const Queue& seen) {
-    return fit->consider(keyframes, due, seen.estimate.candidates(), seen.solution, {}, 1);
+    return fit->consider(keyframes, due, seen.estimate.candidates(), seen.solution, {}, 1)
+        .has_value();
   };
   LensFit fit{LensFitOptions()};
   EXPECT_EQ(fit.report().sentence(), "");

@@ -66,8 +66,11 @@ class BackEnd {
 
  private:
   void reportHeldIntrinsics();
-  void considerModel(const KeyframeMessage& message);
-  void switchModel(const Camera& camera, const std::vector<Segment>& observed);
+  // In lens_model.cpp: what the model describes, and whether to go on with another.
+  void considerStartupModel();
+  void considerLensFit();
+  void chooseModel(const LensComparison& comparison);
+  void switchModel(const LensTrial& lens);
   void clearQueue();
   // In handover.cpp: from the startup batch to the queue.
   void runStartup(const KeyframeMessage& message);
@@ -105,7 +108,6 @@ class BackEnd {
   BackEndOutput finish(BackEndOutput output);
   void solveQueue();
   void adoptSolution();
-  void considerLensFit();
   void judge(std::int64_t stamp_ns, std::vector<Event>* events);
   void fillQueueReport();
 
