@@ -92,7 +92,7 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
   next_ = keyframes + std::clamp(keyframes / 4, kMinInterval, kMaxInterval);
   report_ = LensFitReport();
   LensComparison comparison =
-      compareWithRicher(observationsOf(queue), solution.camera, options_.significance, threads);
+      compareWithRicher(observationsOf(queue, solution.scatter), solution.camera, threads);
   double best = options_.significance;
   for (const LensTrial& richer : comparison.richer) {
     const LensKnowledge knowledge = knowledgeOf(comparison.observations, richer, threads);

@@ -12,7 +12,6 @@
 #include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/queue/agreement.h"
-#include "camera_self_calibration/queue/scatter.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -21,7 +20,9 @@ namespace {
 // changes the likelihood ratio by 0.1.
 constexpr int kMaxIterations = 15;
 constexpr double kSettled = 0.3;
-// Of the likelihood ratio that counts: promised to first order, it may turn out twice as large.
+// A fit is worth while where a lead that chance gives in 1 of 100 comparisons may come of it:
+// promised to first order, the likelihood ratio may turn out twice as large.
+constexpr double kByChance = 0.01;
 constexpr double kWorthAFit = 0.5;
 // Of the sigmas, that the residuals under another lens can make of them.
 constexpr double kLeastShare = 1e-3;
@@ -80,12 +81,13 @@ Scatter scatterOf(const Marginal& marginal) {
 
 }  // namespace
 
-LensObservations observationsOf(const std::vector<Candidate>& queue) {
+LensObservations observationsOf(const std::vector<Candidate>& queue, const Scatter& scatter) {
   LensObservations observations;
   for (const Candidate& candidate : queue) {
     observations.segments.push_back(candidate.segment);
     observations.sigma_scales.push_back(candidate.sigma_scale);
   }
+  observations.variance = scatter.inflation() * scatter.inflation();
   return observations;
 }
 
@@ -124,10 +126,11 @@ LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial&
   }
   const double scale = share * marginal.sigmaScale();
   const double inflation = scatterOf(marginal).inflation();
+  const double disagreement = std::min(inflation * inflation, observations.variance);
   LensKnowledge knowledge;
-  knowledge.variance = inflation * inflation * scale * scale;
+  knowledge.variance = disagreement * scale * scale;
   if (const auto covariance = marginal.robustCovariance()) {
-    knowledge.covariance = inflation * inflation * *covariance;
+    knowledge.covariance = disagreement * *covariance;
   }
   return knowledge;
 }
@@ -163,7 +166,7 @@ double leadByChance(const LensTrial& ahead, const LensTrial& behind, double vari
 }
 
 LensComparison compareWithRicher(LensObservations observations, const Camera& present,
-                                 double significance, int threads) {
+                                 int threads) {
   LensComparison comparison;
   comparison.present = tryLens(observations, present, threads);
   observations.segments = comparison.present.segments;
@@ -172,7 +175,7 @@ LensComparison compareWithRicher(LensObservations observations, const Camera& pr
     if (!richer) continue;
     const Camera& camera = comparison.present.camera;
     if (model == camera.model() && richer->estimatedCount() == camera.estimatedCount()) continue;
-    const double limit = chiSquareQuantile(degreesOfFreedom(camera, *richer), significance);
+    const double limit = chiSquareQuantile(degreesOfFreedom(camera, *richer), kByChance);
     const double promised = promisedRatio(observations, comparison.present.cost, *richer, threads);
     if (promised < kWorthAFit * limit) continue;
     comparison.richer.push_back(tryLens(observations, *richer, threads));

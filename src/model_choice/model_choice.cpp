@@ -116,7 +116,8 @@ std::optional<LensTrial> simplestTenable(double refuted, double variance, Trials
 
 // A simpler lens that explains as much, or is known so much better that it is nearer to the truth.
 std::optional<LensTrial> simplerThan(const LensTrial& present, double variance,
-                                     const ModelChoiceOptions& options, Trials* trials) {
+                                     const ModelChoiceOptions& options,
+                                     const std::set<std::string>& refuted, Trials* trials) {
   const double noise = trials->noise(present);
   for (const Hypothesis& hypothesis : kHypotheses) {
     if (Camera::parameterCount(hypothesis.model) + (hypothesis.with_k3 ? 1 : 0) >=
@@ -126,8 +127,9 @@ std::optional<LensTrial> simplerThan(const LensTrial& present, double variance,
     const LensTrial* found = trials->find(hypothesis);
     if (found == nullptr || !found->usable) continue;
     const LensTrial simpler = *found;
-    if (leadByChance(present, simpler, variance) > options.plausible) return simpler;
     const double error = trials->error(simpler, present);
+    const bool plausible = leadByChance(present, simpler, variance) > options.plausible;
+    if (plausible && error <= noise && refuted.count(simpler.name()) == 0) return simpler;
     if (trials->isUseful(error) && error < options.clearly_less * noise) return simpler;
   }
   return std::nullopt;
@@ -148,15 +150,18 @@ std::optional<LensTrial> ModelChoice::choose(const LensComparison& comparison,
   const LensTrial best = trials.best();
   if (!best.usable) return std::nullopt;
   const double variance = trials.knowledge(best).variance;
+  const bool alone = comparison.observations.segments.size() == 1;
+  const double refuted = alone ? options_.refuted_alone : options_.refuted;
   std::optional<LensTrial> other;
-  if (leadByChance(best, present, variance) < options_.refuted) {
-    other = simplestTenable(options_.refuted, variance, &trials);
+  if (leadByChance(best, present, variance) < refuted) {
+    other = simplestTenable(refuted, variance, &trials);
     // Wrong but well known may be nearer to the truth than right but hardly known.
     if (other && present.usable && !(trials.noise(*other) <= trials.error(present, *other))) {
       other.reset();
     }
+    if (other && !alone) refuted_.insert(present.name());
   } else {
-    other = simplerThan(present, variance, options_, &trials);
+    other = simplerThan(present, variance, options_, refuted_, &trials);
   }
   evidence_ = trials.evidence(other ? other->name() : present.name(), variance);
   return other;

@@ -12,8 +12,8 @@ void BackEnd::considerStartupModel() {
   if (options_.model || follows_queue_ || !startup_.comparable()) return;
   if (!model_choice_.isDue(report_.keyframes)) return;
   LensObservations observations{{startup_.solved()}, {1.0}};
-  chooseModel(compareWithRicher(std::move(observations), startup_.camera(),
-                                ModelChoiceOptions().refuted, options_.solver_threads));
+  chooseModel(
+      compareWithRicher(std::move(observations), startup_.camera(), options_.solver_threads));
 }
 
 // Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.

@@ -17,8 +17,8 @@ const Camera kFov = camera640(CameraModel::kFov, {311.2, 309.8, 327.4, 233.1, 0.
 
 LensComparison compared(const Camera& truth, CameraModel present, int segments = 4) {
   const Queue queue = queueOf(truth, present, segments);
-  return compareWithRicher(observationsOf(queue.estimate.candidates()), queue.solution.camera,
-                           ModelChoiceOptions().refuted, 1);
+  return compareWithRicher(observationsOf(queue.estimate.candidates(), queue.solution.scatter),
+                           queue.solution.camera, 1);
 }
 
 TEST(LensTrial, WhatPromisesNothingIsNotFitted) {

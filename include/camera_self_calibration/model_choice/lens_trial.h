@@ -7,6 +7,7 @@
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/queue/candidate_window.h"
+#include "camera_self_calibration/queue/scatter.h"
 
 namespace camera_self_calibration {
 
@@ -14,11 +15,13 @@ namespace camera_self_calibration {
 struct LensObservations {
   std::vector<Segment> segments;     ///< Solved and gated; at least one.
   std::vector<double> sigma_scales;  ///< By which the sigmas of each are multiplied.
+  /// By which they disagree more than these sigmas say under the lens in use; 1: only one stretch.
+  double variance = 1.0;
 };
 
 /// The queue's segments as they are. Those that the gate left serve as well as those observed,
 /// measured on real video: what it removes adds more outliers than evidence.
-LensObservations observationsOf(const std::vector<Candidate>& queue);
+LensObservations observationsOf(const std::vector<Candidate>& queue, const Scatter& scatter);
 
 /// One lens, with the poses and depths under which it fits the observations best.
 struct LensTrial {
@@ -38,7 +41,8 @@ LensTrial tryLens(const LensObservations& observations, const Camera& start, int
 struct LensKnowledge {
   /// Factor by which differences of costs are too large, or, below 1, too small: what the residuals
   /// under this lens make of the sigmas, correlation along tracks (Marginal::designEffect), and how
-  /// far the stretches disagree. Under a lens that is wrong they disagree for that alone.
+  /// far the stretches disagree. Under a lens that is wrong they disagree for that alone, so that
+  /// the smaller of what this one and the one in use make of it counts.
   double variance = 1.0;
   IntrinsicsMatrix covariance;  ///< Honest in the same way; empty where it is singular.
 };
@@ -63,8 +67,7 @@ struct LensComparison {
 };
 
 /// Each richer lens starts from the present one. What it can gain is judged to first order, from
-/// one linearisation; only one that may refute the present lens at this probability is fitted.
-LensComparison compareWithRicher(LensObservations observations, const Camera& present,
-                                 double significance, int threads);
+/// one linearisation; only one that may be ahead by more than chance is fitted.
+LensComparison compareWithRicher(LensObservations observations, const Camera& present, int threads);
 
 }  // namespace camera_self_calibration

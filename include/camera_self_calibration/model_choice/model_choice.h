@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -23,20 +24,24 @@ struct ModelEvidence {
 
 struct ModelChoiceOptions {
   /// Probability by chance of so much a worse fit, below which a model is refuted: a richer one may
-  /// take over then. As LensFitOptions::significance.
-  double refuted = 1e-4;
-  /// Above which nothing speaks against a model: a simpler one takes over then. Between both, what
-  /// is in use stays.
-  double plausible = 0.05;
-  /// A simpler model takes over for the sake of pixels where its expected squared error is less
-  /// than this share of that of the one in use.
+  /// take over then. One that is too rich costs little and says what it costs, one that is too
+  /// simple is wrong and does not: this is less strict than LensFitOptions::significance.
+  double refuted = 0.01;
+  /// The same where there is one stretch of video only, which cannot show how far stretches
+  /// disagree.
+  double refuted_alone = 1e-4;
+  /// Above which nothing speaks against a model: a simpler one takes over then, if it is expected
+  /// to be nearer to the truth. Between both, what is in use stays.
+  double plausible = 0.1;
+  /// A simpler model takes over in any case where its expected squared error is less than this
+  /// share of that of the one in use.
   double clearly_less = 0.5;
 };
 
 /// Which projection model the lens follows: the simplest that the observations do not refute
 /// (likelihood ratio), as soon as it is known well enough to be nearer to the truth than the one in
 /// use. A simpler one takes over again where nothing speaks against it, or where the one in use has
-/// parameters that the motion does not tell.
+/// parameters that the motion does not tell; one that stretches of video have refuted only then.
 class ModelChoice {
  public:
   explicit ModelChoice(const ModelChoiceOptions& options) : options_(options) {}
@@ -59,7 +64,8 @@ class ModelChoice {
  private:
   ModelChoiceOptions options_;
   std::vector<ModelEvidence> evidence_;
-  std::int64_t next_ = 0;  // count of keyframes from which the next comparison is due
+  std::set<std::string> refuted_;  // names of models that were left for a richer one
+  std::int64_t next_ = 0;          // count of keyframes from which the next comparison is due
 };
 
 }  // namespace camera_self_calibration
