@@ -128,10 +128,10 @@ std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
   return result;
 }
 
-IntrinsicsMatrix pixelMetric(const Camera& camera) {
+IntrinsicsMatrix pixelMetric(const Camera& camera, const ImageField& field) {
   const int n = camera.estimatedCount();
   IntrinsicsMatrix sum = IntrinsicsMatrix::Zero(n, n);
-  const std::vector<CompensatedPixel> grid = compensatedDerivatives(camera, {});
+  const std::vector<CompensatedPixel> grid = compensatedDerivatives(camera, field);
   for (const CompensatedPixel& point : grid) sum += point.a.transpose() * point.a;
   return grid.empty() ? sum : IntrinsicsMatrix(sum / static_cast<double>(grid.size()));
 }

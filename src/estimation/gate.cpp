@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/transfer.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/queue/segment_fit.h"
 
 namespace camera_self_calibration {

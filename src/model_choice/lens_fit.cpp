@@ -17,7 +17,6 @@ constexpr std::int64_t kMaxInterval = 100;
 // the outermost corners of a strongly distorted lens have none (3 % on one of 100 degrees that it
 // fits to 0.1 px elsewhere); on a lens of 125 degrees, which it does not fit, 10 %.
 constexpr double kMaxUndescribed = 0.05;
-
 // Share of the image where a ray of `lens` has no pixel under `present`.
 double undescribedShare(const Camera& lens, const Camera& present, const ImageField& field) {
   int seen = 0;
@@ -34,11 +33,14 @@ double undescribedShare(const Camera& lens, const Camera& present, const ImageFi
   return seen > 0 ? static_cast<double>(refused) / seen : 0.0;
 }
 
-// How far apart two lenses are, less what the uncertainties of both explain, as if these were
-// independent: what the stated uncertainty covers is not counted twice.
-PixelError beyond(const PixelError& distance, const PixelError& one, const PixelError& other) {
-  const double square = distance.rms * distance.rms - one.rms * one.rms - other.rms * other.rms;
-  return square > 0.0 ? PixelError{std::sqrt(square), distance.max} : PixelError();
+// The lens is the better one give or take its uncertainty, so that the expected square error of the
+// present one is that of their distance and of the better one. The stated uncertainty covers a part
+// of it, which is not counted twice.
+PixelError beyond(const PixelError& stated, const PixelError& distance, const PixelError& better) {
+  const auto left = [](double all, double part, double known) {
+    return std::sqrt(std::max(0.0, all * all + part * part - known * known));
+  };
+  return {left(distance.rms, better.rms, stated.rms), left(distance.max, better.max, stated.max)};
 }
 
 PixelError withUndescribed(double share, const PixelError& misfit) {
@@ -50,14 +52,17 @@ PixelError withUndescribed(double share, const PixelError& misfit) {
 
 // What a richer lens that refutes the present one says of it.
 LensFitReport misfitBeside(const QueueSolution& solution, const LensTrial& richer,
-                           const IntrinsicsMatrix& covariance, const ImageField& field) {
+                           const IntrinsicsMatrix& covariance, const SeenImage& image) {
   const Camera& now = solution.camera;
+  const auto misfit = [&](const ImageField& field) {
+    return beyond(pixelUncertainty(now, solution.covariance, field),
+                  pixelDistance(now, richer.camera, field),
+                  pixelUncertainty(richer.camera, covariance, field));
+  };
   LensFitReport report;
-  report.undescribed = undescribedShare(richer.camera, now, field);
-  const PixelError misfit = beyond(pixelDistance(now, richer.camera, field),
-                                   pixelUncertainty(now, solution.covariance, field),
-                                   pixelUncertainty(richer.camera, covariance, field));
-  report.misfit = withUndescribed(report.undescribed, misfit);
+  report.undescribed = undescribedShare(richer.camera, now, image.seeing);
+  report.misfit = withUndescribed(report.undescribed, misfit(image.seeing));
+  report.misfit_observed = misfit(image.observed);
   report.better = report.misfit.rms > 0.0 ? richer.name() : "";
   return report;
 }
@@ -65,10 +70,6 @@ LensFitReport misfitBeside(const QueueSolution& solution, const LensTrial& riche
 }  // namespace
 
 bool LensFitReport::describesImage() const { return undescribed <= kMaxUndescribed; }
-
-PixelError LensFitReport::total(const PixelError& uncertainty) const {
-  return {std::hypot(uncertainty.rms, misfit.rms), std::hypot(uncertainty.max, misfit.max)};
-}
 
 std::string LensFitReport::sentence() const {
   if (!compared) return "";
@@ -83,7 +84,7 @@ std::string LensFitReport::sentence() const {
 std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool verdict_due,
                                                 const std::vector<Candidate>& queue,
                                                 const QueueSolution& solution,
-                                                const ImageField& field, int threads) {
+                                                const SeenImage& image, int threads) {
   if (keyframes < next_ && !(verdict_due && report_.better.empty())) return std::nullopt;
   std::vector<std::int64_t> sequences;
   for (const Candidate& candidate : queue) sequences.push_back(candidate.segment.sequence);
@@ -96,10 +97,10 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
   double best = options_.significance;
   for (const LensTrial& richer : comparison.richer) {
     const LensKnowledge knowledge = knowledgeOf(comparison.observations, richer, threads);
-    const double p_value = leadByChance(richer, comparison.present, knowledge.variance);
+    const double p_value = leadByChance(richer, comparison.present, knowledge);
     if (knowledge.covariance.size() == 0 || !(p_value <= best)) continue;
     best = p_value;
-    report_ = misfitBeside(solution, richer, knowledge.covariance, field);
+    report_ = misfitBeside(solution, richer, knowledge.covariance, image);
   }
   report_.compared = true;
   report_.model = toString(solution.camera.model());

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/marginal.h"
@@ -87,7 +88,7 @@ LensObservations observationsOf(const std::vector<Candidate>& queue, const Scatt
     observations.segments.push_back(candidate.segment);
     observations.sigma_scales.push_back(candidate.sigma_scale);
   }
-  observations.variance = scatter.inflation() * scatter.inflation();
+  observations.scatter = scatter;
   return observations;
 }
 
@@ -125,9 +126,12 @@ LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial&
     marginal = marginalize(problem, SolverOptions().huber, threads);
   }
   const double scale = share * marginal.sigmaScale();
-  const double inflation = scatterOf(marginal).inflation();
-  const double disagreement = std::min(inflation * inflation, observations.variance);
+  const Scatter own = scatterOf(marginal);
+  const Scatter& scatter =
+      own.inflation() < observations.scatter.inflation() ? own : observations.scatter;
+  const double disagreement = scatter.inflation() * scatter.inflation();
   LensKnowledge knowledge;
+  knowledge.freedom = scatter.inflationFreedom();
   knowledge.variance = disagreement * scale * scale;
   if (const auto covariance = marginal.robustCovariance()) {
     knowledge.covariance = disagreement * *covariance;
@@ -158,11 +162,13 @@ std::optional<Camera> likewise(const Camera& camera, CameraModel model, bool wit
   return other;
 }
 
-double leadByChance(const LensTrial& ahead, const LensTrial& behind, double variance) {
+double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensKnowledge& known) {
   if (!behind.usable) return ahead.usable ? 0.0 : 1.0;
-  const double ratio = 2.0 * (behind.cost - ahead.cost) / variance;
-  return ratio > 0.0 ? chiSquareExceedance(ratio, degreesOfFreedom(behind.camera, ahead.camera))
-                     : 1.0;
+  const double ratio = 2.0 * (behind.cost - ahead.cost) / known.variance;
+  if (!(ratio > 0.0)) return 1.0;
+  const int freedom = degreesOfFreedom(behind.camera, ahead.camera);
+  return known.freedom > 0 ? fExceedance(ratio / freedom, freedom, known.freedom)
+                           : chiSquareExceedance(ratio, freedom);
 }
 
 LensComparison compareWithRicher(LensObservations observations, const Camera& present,

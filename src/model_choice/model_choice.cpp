@@ -105,17 +105,18 @@ class Trials {
 };
 
 // The simplest that the best fit does not refute.
-std::optional<LensTrial> simplestTenable(double refuted, double variance, Trials* trials) {
+std::optional<LensTrial> simplestTenable(double refuted, const LensKnowledge& known,
+                                         Trials* trials) {
   for (const Hypothesis& hypothesis : kHypotheses) {
     const LensTrial* trial = trials->find(hypothesis);
     if (trial == nullptr || !trial->usable) continue;
-    if (leadByChance(trials->best(), *trial, variance) >= refuted) return *trial;
+    if (leadByChance(trials->best(), *trial, known) >= refuted) return *trial;
   }
   return std::nullopt;
 }
 
 // A simpler lens that explains as much, or is known so much better that it is nearer to the truth.
-std::optional<LensTrial> simplerThan(const LensTrial& present, double variance,
+std::optional<LensTrial> simplerThan(const LensTrial& present, const LensKnowledge& known,
                                      const ModelChoiceOptions& options,
                                      const std::set<std::string>& refuted, Trials* trials) {
   const double noise = trials->noise(present);
@@ -128,7 +129,7 @@ std::optional<LensTrial> simplerThan(const LensTrial& present, double variance,
     if (found == nullptr || !found->usable) continue;
     const LensTrial simpler = *found;
     const double error = trials->error(simpler, present);
-    const bool plausible = leadByChance(present, simpler, variance) > options.plausible;
+    const bool plausible = leadByChance(present, simpler, known) > options.plausible;
     if (plausible && error <= noise && refuted.count(simpler.name()) == 0) return simpler;
     if (trials->isUseful(error) && error < options.clearly_less * noise) return simpler;
   }
@@ -149,21 +150,21 @@ std::optional<LensTrial> ModelChoice::choose(const LensComparison& comparison,
   Trials trials(comparison, field, threads);
   const LensTrial best = trials.best();
   if (!best.usable) return std::nullopt;
-  const double variance = trials.knowledge(best).variance;
+  const LensKnowledge known = trials.knowledge(best);
   const bool alone = comparison.observations.segments.size() == 1;
   const double refuted = alone ? options_.refuted_alone : options_.refuted;
   std::optional<LensTrial> other;
-  if (leadByChance(best, present, variance) < refuted) {
-    other = simplestTenable(refuted, variance, &trials);
+  if (leadByChance(best, present, known) < refuted) {
+    other = simplestTenable(refuted, known, &trials);
     // Wrong but well known may be nearer to the truth than right but hardly known.
     if (other && present.usable && !(trials.noise(*other) <= trials.error(present, *other))) {
       other.reset();
     }
     if (other && !alone) refuted_.insert(present.name());
   } else {
-    other = simplerThan(present, variance, options_, refuted_, &trials);
+    other = simplerThan(present, known, options_, refuted_, &trials);
   }
-  evidence_ = trials.evidence(other ? other->name() : present.name(), variance);
+  evidence_ = trials.evidence(other ? other->name() : present.name(), known.variance);
   return other;
 }
 

@@ -6,6 +6,7 @@
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
+#include "camera_self_calibration/queue/observed_area.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -199,10 +200,27 @@ void BackEnd::adoptSolution() {
   solution_.drift = presentDrift();
   report_.camera = solution_.present();
   report_.covariance = solution_.presentCovariance();
-  noise_ = pixelUncertainty(report_.camera, report_.covariance, field_);
-  report_.uncertainty = lens_fit_.report().total(noise_);
+  report_.cross_validation = crossValidate(solution_, field_);
+  observed_ = observedArea(estimate_.candidates(), report_.camera, field_);
+  stateUncertainty();
   report_.entropy = entropy(report_.camera, report_.covariance);
   changed_ = true;
+}
+
+// All that is known to be wrong with the estimate: noise, halves that disagree, a lens model that
+// does not fit.
+void BackEnd::stateUncertainty() {
+  const double inflation = report_.cross_validation.inflation();
+  const auto noise = [&](const ImageField& field) {
+    return pixelUncertainty(report_.camera, report_.covariance, field).scaled(inflation);
+  };
+  report_.lens_fit = lens_fit_.report();
+  noise_ = noise(field_);
+  report_.uncertainty = noise_.inQuadrature(report_.lens_fit.misfit);
+  ObservedReport& observed = report_.observed;
+  observed.share = observed_.share() / field_.share();
+  observed.uncertainty = noise(observed_).inQuadrature(report_.lens_fit.misfit_observed);
+  observed.unseen_corners = unseenCorners(observed_, field_);
 }
 
 void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
@@ -217,7 +235,7 @@ void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   evidence.threshold_px = convergedRms();
   evidence.epoch = report_.epoch;
   evidence.obstacle = obstacle_;
-  const LensFitReport& fit = report_.lens_fit = lens_fit_.report();
+  const LensFitReport& fit = report_.lens_fit;
   // What the user can do about it; where the model is chosen it follows by itself.
   if (fit.misfit.rms > noise_.rms && options_.model) evidence.better_model = fit.better;
   const bool was_converged = report_.state == CalibrationState::kConverged;
@@ -226,7 +244,12 @@ void BackEnd::judge(std::int64_t stamp_ns, std::vector<Event>* events) {
   report_.sentence = verdict.sentence;
   const std::string choice = model_choice_.sentence();
   if (!choice.empty()) report_.sentence += "; " + choice;
-  if (handed_over_ && fit.compared) report_.sentence += "; " + fit.sentence();
+  if (handed_over_) {
+    for (const std::string& remark :
+         {report_.cross_validation.sentence(), fit.sentence(), report_.observed.unseen_corners}) {
+      if (!remark.empty()) report_.sentence += "; " + remark;
+    }
+  }
   if (handed_over_ && solution_.drift.significant) report_.sentence += drifting(solution_.drift);
   report_.hint = verdict.hint;
   if (verdict.state == CalibrationState::kConverged && !was_converged) {

@@ -229,14 +229,12 @@ KeyframeMessage FrontEnd::keyframeMessage() const {
 // Where the newest keyframe shows a place of an older map, all goes on in that one.
 void FrontEnd::seekOlderMap(const TrackedFrame& whole, const Describe& describe,
                             FrontEndOutput* output) {
-  // Before that poses and depths are those of a guessed lens.
-  const bool knows_lens = handed_over_ || window_.generation() > 0;
   // A track that is poor by now no longer looks as the place does.
   std::vector<Track> good;
   std::copy_if(whole.tracks.begin(), whole.tracks.end(), std::back_inserter(good),
                [](const Track& track) { return track.sigma <= kGoodTrackSigma; });
-  const auto relocation =
-      relocalizer_.atKeyframe(map_id_, window_.map(), window_.camera(), good, knows_lens, describe);
+  const auto relocation = relocalizer_.atKeyframe(map_id_, window_.map(), window_.camera(), good,
+                                                  knowsLens(), describe);
   if (!relocation) return;
   const std::uint64_t left = std::exchange(map_id_, relocation->map_id);
   moved_ = MapMove{left, map_id_, relocation->old_from_new};

@@ -16,6 +16,10 @@ constexpr double kUnobservedEigenvalue = 1e-7;
 // rms uncertainty over image width that tells nothing about a lens: translation alone feigns 0.025
 // to 0.1 in a batch, by noise in the estimated rotations.
 constexpr double kUselessUncertaintyShare = 0.02;
+// CONVERGED is left when the uncertainty exceeds the limit by more than it is known to: the scatter
+// of a few segments, some eight degrees of freedom, tells a standard deviation to a quarter of it,
+// and this is twice that.
+constexpr double kHysteresis = 1.5;
 
 // What is less than this share of the image that sees is worth a word.
 constexpr double kWholeImage = 0.98;
@@ -86,21 +90,16 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
                           bool was_converged) {
   const double rms = evidence.uncertainty.rms;
-  if (evidence.handed_over && rms > evidence.threshold_px && !evidence.better_model.empty()) {
+  const double allowed = (was_converged ? kHysteresis : 1.0) * evidence.threshold_px;
+  if (evidence.handed_over && rms <= allowed) {
+    return {CalibrationState::kConverged,
+            "the calibration is " + goodTo(evidence) + limit(evidence), ""};
+  }
+  if (evidence.handed_over && !evidence.better_model.empty()) {
     return {CalibrationState::kConverging,
             "the calibration is " + goodTo(evidence) + limit(evidence) +
                 ", as its model does not describe the lens",
             "set the parameter model to " + settable(evidence.better_model)};
-  }
-  if (was_converged && rms > evidence.threshold_px) {
-    return {CalibrationState::kConverged,
-            "the calibration had converged, but the newest stretches disagree with it: now only " +
-                goodTo(evidence) + limit(evidence),
-            "if this lasts although the lens was not touched, restart the calibration"};
-  }
-  if (was_converged || (evidence.handed_over && rms <= evidence.threshold_px)) {
-    return {CalibrationState::kConverged,
-            "the calibration is " + goodTo(evidence) + limit(evidence), ""};
   }
   const WeakDirection weak = weakest(evidence, camera);
   if (evidence.handed_over) {

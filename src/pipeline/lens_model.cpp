@@ -21,10 +21,12 @@ void BackEnd::considerLensFit() {
   if (!handed_over_ && !follows_queue_) return;
   const bool verdict_due =
       report_.state != CalibrationState::kConverged && noise_.rms <= convergedRms();
-  const auto comparison = lens_fit_.consider(report_.keyframes, verdict_due, estimate_.candidates(),
-                                             solution_, field_, options_.solver_threads);
+  const auto comparison =
+      lens_fit_.consider(report_.keyframes, verdict_due, estimate_.candidates(), solution_,
+                         {field_, observed_}, options_.solver_threads);
   if (!comparison) return;
-  adoptSolution();
+  stateUncertainty();
+  changed_ = true;
   if (!options_.model) chooseModel(*comparison);
 }
 

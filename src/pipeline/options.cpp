@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "camera_self_calibration/camera/plausibility.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -76,6 +78,9 @@ std::vector<std::string> Options::problems() const {
                          initial_camera->width() <= 0 || initial_camera->height() <= 0)) {
     list.push_back("the initial intrinsics are no valid ones of the model " +
                    toString(firstModel()) + ", or lack their image size");
+  } else if (initial_camera) {
+    const std::string problem = implausibility(*initial_camera);
+    if (!problem.empty()) list.push_back("the initial intrinsics cannot be right: " + problem);
   }
   if (fix_intrinsics && !initial_camera) {
     list.push_back("fix_intrinsics needs initial intrinsics, those to hold");

@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "camera_self_calibration/camera/plausibility.h"
 #include "self_calibrator_impl.h"
 
 namespace camera_self_calibration {
@@ -42,6 +43,8 @@ void SelfCalibrator::reset(const Camera& start) {
     throw std::invalid_argument("the start must be a valid camera" +
                                 (model ? " of the model " + toString(*model) : ""));
   }
+  const std::string problem = implausibility(start);
+  if (!problem.empty()) throw std::invalid_argument("the start cannot be right: " + problem);
   impl_->requests.restart({start, nullptr});
 }
 

@@ -9,6 +9,10 @@ namespace {
 // A keyframe that the back end never sees costs a candidate, no more.
 constexpr std::size_t kMaxQueuedKeyframes = 4;
 
+// Maps lost in a row, with nothing learnt of the lens, after which the start values are not
+// believed any more. A good start loses one where the motion is too fast, seldom two.
+constexpr int kMapsToDistrustStart = 3;
+
 const Options& checked(const Options& options) {
   std::string text;
   for (const std::string& problem : options.problems()) text += "\n  " + problem;
@@ -86,6 +90,7 @@ void SelfCalibrator::Impl::start(int image_width, int image_height,
     next->camera = Camera::defaultGuess(options.firstModel(), image_width, image_height);
   }
   beginning = next;
+  maps_lost = 0;
   width = next->camera.width();
   height = next->camera.height();
   const std::int64_t first_keyframe = request.state ? request.state->keyframes : 0;
@@ -117,6 +122,19 @@ void SelfCalibrator::Impl::followRequests(const TrackedFrame& frame) {
     front_end->forgetOlderMaps();
   }
   if (taken.scale != 1.0) front_end->scaleMap(taken.scale);
+}
+
+// Start values that are wrong make poses disagree with the tracks, map after map.
+void SelfCalibrator::Impl::distrustStart(const TrackedFrame& frame) {
+  if (front_end->knowsLens()) return;
+  const bool given = beginning->camera.parameters() !=
+                     Camera::defaultGuess(beginning->camera.model(), width, height).parameters();
+  if (++maps_lost < kMapsToDistrustStart || !given || options.fix_intrinsics) return;
+  raise({EventType::kInput, frame.stamp_ns, frame.stamp_ns,
+         std::to_string(maps_lost) +
+             " maps in a row were lost with the start values: they are given up, and the "
+             "calibration begins again from a guess"});
+  start(width, height, {Camera::defaultGuess(options.firstModel(), width, height), nullptr});
 }
 
 // What was learnt for another image size is not used; it would keep all images out.
@@ -204,7 +222,10 @@ void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
   if (newest && newest->beginning == beginning->number) front_end->adopt(*newest);
   FrontEndOutput output = front_end->process(frame, detect, describe_tracks);
   tracker.drop(output.outliers);
-  if (output.restart_tracking) tracker.reset();
+  if (output.restart_tracking) {
+    tracker.reset();
+    distrustStart(frame);
+  }
   output.result.tracks = frame;
   tracking = output.result.state == TrackingState::kTracking;
   for (const Event& event : output.events) raise(event);

@@ -103,6 +103,14 @@ void drawArrow(const cv::Point2d& from, const cv::Point2d& to, const cv::Rect2d&
       ink, 1.0, area);
 }
 
+void drawCross(const cv::Point2d& centre, const cv::Rect2d& area, Sheet* sheet) {
+  const Colour ink(90, 90, 90);
+  const cv::Point2d down(2.5, 2.5);
+  const cv::Point2d up(2.5, -2.5);
+  sheet->curve({centre - down, centre + down}, ink, 0.8, area);
+  sheet->curve({centre - up, centre + up}, ink, 0.8, area);
+}
+
 }  // namespace
 
 cv::Mat drawImageMap(const ImageMap& map, int width, bool fine) {
@@ -121,6 +129,10 @@ cv::Mat drawImageMap(const ImageMap& map, int width, bool fine) {
     const Eigen::Vector2d to = from + scale * map.arrow_scale * arrow.offset;
     drawArrow({area.x + from.x(), area.y + from.y()}, {area.x + to.x(), area.y + to.y()}, area,
               &sheet);
+  }
+  for (const Eigen::Vector2d& cross : map.crosses) {
+    const Eigen::Vector2d at = scale * (cross.array() + 0.5).matrix();
+    drawCross({area.x + at.x(), area.y + at.y()}, area, &sheet);
   }
   sheet.outline(area, colours.grid);
   drawScale(map, highest, area, &sheet);

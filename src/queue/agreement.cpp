@@ -6,10 +6,10 @@
 #include <cmath>
 #include <map>
 
+#include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/marginal.h"
-#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/solver.h"
 
 namespace camera_self_calibration {
@@ -52,36 +52,6 @@ Evidence pooled(const std::vector<Evidence>& evidence, const Reference& referenc
   sum.gradient *= weight;
   sum.information *= weight;
   return sum;
-}
-
-// Continued fraction of the incomplete beta function (Lentz).
-double betaFraction(double a, double b, double x) {
-  constexpr double kTiny = 1e-300;
-  double c = 1.0;
-  double d = 1.0 / std::max(kTiny, 1.0 - (a + b) * x / (a + 1.0));
-  double fraction = d;
-  for (int m = 1; m < 500; ++m) {
-    const double even = m * (b - m) * x / ((a + 2 * m - 1.0) * (a + 2 * m));
-    d = 1.0 / (1.0 + even * d);
-    c = 1.0 + even / c;
-    fraction *= d * c;
-    const double odd = -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1.0));
-    d = 1.0 / (1.0 + odd * d);
-    c = 1.0 + odd / c;
-    fraction *= d * c;
-    if (std::abs(d * c - 1.0) < 1e-14) break;
-  }
-  return fraction;
-}
-
-// Regularised incomplete beta function I_x(a, b).
-double incompleteBeta(double a, double b, double x) {
-  if (x <= 0.0) return 0.0;
-  if (x >= 1.0) return 1.0;
-  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
-                                a * std::log(x) + b * std::log1p(-x));
-  if (x < (a + 1.0) / (a + b + 2.0)) return front * betaFraction(a, b, x) / a;
-  return 1.0 - front * betaFraction(b, a, 1.0 - x) / b;
 }
 
 }  // namespace
@@ -196,12 +166,6 @@ Intrinsics compromise(const std::vector<Evidence>& evidence, const Reference& re
   const Eigen::VectorXd step =
       scale.cwiseProduct(factor.solve(scale.cwiseProduct(sum.gradient)).eval());
   return sum.point + step;
-}
-
-double fExceedance(double value, int numerator_freedom, int denominator_freedom) {
-  if (!(value > 0.0)) return 1.0;
-  const double x = denominator_freedom / (denominator_freedom + numerator_freedom * value);
-  return incompleteBeta(0.5 * denominator_freedom, 0.5 * numerator_freedom, x);
 }
 
 double pValue(double statistic, const Reference& reference) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "camera_self_calibration/estimation/robust.h"
+#include "camera_self_calibration/base/distributions.h"
 
 namespace camera_self_calibration {
 namespace {

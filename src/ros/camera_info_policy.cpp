@@ -28,6 +28,12 @@ bool CameraInfoPolicy::keeps(const CalibrationReport& report) {
   return report.epoch == inherited_epoch_;
 }
 
+// A reset starts before hand-over, a change of the lens begins an epoch.
+bool CameraInfoPolicy::lastGoodHolds(const CalibrationReport& report) const {
+  return published_ && good_epoch_ == report.epoch && report.handed_over &&
+         camera_->width() == report.camera.width() && camera_->height() == report.camera.height();
+}
+
 std::string CameraInfoPolicy::update(const CalibrationReport& report) {
   const bool converged = report.state == CalibrationState::kConverged;
   std::string judged;
@@ -37,13 +43,17 @@ std::string CameraInfoPolicy::update(const CalibrationReport& report) {
     awaits_beginning_ = false;
     const bool kept = keeps(report);
     if (kept && !converged) return {};
+    last_good_ = !usable(report) && lastGoodHolds(report);
+    if (last_good_) return {};
     if (!usable(report)) {
+      good_epoch_.reset();
       camera_.reset();
       published_.reset();
       inherited_ = given_ = false;
       obstacle_.clear();
       return {};
     }
+    if (converged) good_epoch_ = report.epoch;
     const bool same = camera_ && camera_->width() == report.camera.width() &&
                       camera_->height() == report.camera.height();
     if (same && !(pixelDistance(*camera_, report.camera).rms > min_change_px_)) {
@@ -150,6 +160,7 @@ CameraInfoState CameraInfoPolicy::state() const {
   state.error = published_->error;
   state.inherited = inherited_ && !given_;
   state.given = given_;
+  state.last_good = last_good_;
   return state;
 }
 

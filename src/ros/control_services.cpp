@@ -7,6 +7,7 @@
 #include "camera_self_calibration/ros/driver_commit.h"
 #include "camera_self_calibration/ros/model_conversion.h"
 #include "camera_self_calibration/ros/report_yaml.h"
+#include "camera_self_calibration/ros/start_camera.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -128,11 +129,11 @@ bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
 }
 
 Camera ControlServices::unlearnt(int width, int height) const {
-  const std::vector<double>& values = options_.initial_intrinsics;
-  if (values.empty()) return Camera::defaultGuess(options_.pipeline.firstModel(), width, height);
-  return Camera(
-      options_.pipeline.firstModel(), width, height,
-      Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  std::string problem;
+  const CameraModel model = options_.pipeline.firstModel();
+  const std::optional<Camera> given =
+      startFromParameters(model, options_.initial_intrinsics, width, height, &problem);
+  return given ? *given : Camera::defaultGuess(model, width, height);
 }
 
 bool ControlServices::resetTracking(Trigger::Request&, Trigger::Response& response) {

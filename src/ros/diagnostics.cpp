@@ -172,6 +172,13 @@ void Diagnostics::calibration(Status& status) {
   status.add("state", toString(report_.state));
   status.add("pixel uncertainty rms [px]", report_.uncertainty.rms);
   status.add("pixel uncertainty max [px]", report_.uncertainty.max);
+  if (report_.observed.share > 0.0) {
+    status.add("image covered by features [%]", 100.0 * report_.observed.share);
+    status.add("pixel uncertainty rms there [px]", report_.observed.uncertainty.rms);
+  }
+  if (report_.cross_validation.compared) {
+    status.add("two halves of the video", report_.cross_validation.sentence());
+  }
   if (report_.lens_fit.compared) status.add("lens fit", report_.lens_fit.sentence());
   status.add("shutter", describe(report_.shutter));
   status.add("revision", report_.revision);
@@ -199,6 +206,10 @@ void Diagnostics::addCameraInfo(Status* status) const {
     status->mergeSummary(DiagnosticStatus::OK,
                          "camera_info goes out as set_camera_info brought it, until the images "
                          "have confirmed or replaced it.");
+  }
+  if (info.last_good) {
+    status->mergeSummary(DiagnosticStatus::WARN,
+                         "camera_info still goes out as it was when it was last CONVERGED.");
   }
   if (info.error.max > CameraInfoPolicy::kConversionWarning) {
     status->mergeSummaryf(DiagnosticStatus::WARN,

@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/camera/plausibility.h"
 #include "camera_self_calibration/ros/camera_info.h"
 
 namespace camera_self_calibration {
@@ -99,6 +100,11 @@ std::optional<Camera> FactoryCalibration::startFor(std::optional<CameraModel> mo
   const std::lock_guard<std::mutex> lock(mutex_);
   FactoryComparison result;
   const std::optional<Camera> factory = cameraFor(model, width, height, &result);
+  const std::string implausible = factory ? implausibility(*factory) : "";
+  if (!implausible.empty()) {
+    *problem = "The factory calibration on " + topic_ + " cannot be right: " + implausible + ".";
+    return std::nullopt;
+  }
   const std::optional<Camera> start =
       factory ? asStart(*factory, model.value_or(factory->model())) : std::nullopt;
   *problem = factory && !start

@@ -125,6 +125,13 @@ Calibration toCalibration(const CalibrationReport& report, TrackingState trackin
   message.covariance.assign(covariance, covariance + report.covariance.size());
   message.pixel_uncertainty_rms = report.uncertainty.rms;
   message.pixel_uncertainty_max = report.uncertainty.max;
+  message.pixel_uncertainty_observed = report.observed.uncertainty.rms;
+  message.observed_share = report.observed.share;
+  message.unseen_corners = report.observed.unseen_corners;
+  const CrossValidation& halves = report.cross_validation;
+  message.cross_difference = halves.compared ? halves.difference_px : std::nan("");
+  message.cross_expected = halves.compared ? halves.expected_px : std::nan("");
+  message.cross_p_value = halves.p_value;
   message.lens_fit = report.lens_fit.sentence();
   message.better_model = report.lens_fit.better;
   message.misfit_rms = report.lens_fit.misfit.rms;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/camera/plausibility.h"
 #include "camera_self_calibration/ros/camera_info.h"
 
 namespace camera_self_calibration {
@@ -29,7 +30,7 @@ bool areNumbers(const sensor_msgs::CameraInfo& info) {
 std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info,
                                    std::optional<CameraModel> model) {
   const std::optional<Camera> camera = toCamera(info, model);
-  if (!camera || camera->width() <= 0 || camera->height() <= 0) return std::nullopt;
+  if (!camera || !implausibility(*camera).empty()) return std::nullopt;
   if (!model || camera->model() == *model) return CameraFit{*camera, {}};
   if (camera->model() == CameraModel::kPinhole && *model == CameraModel::kRadtan) {
     Intrinsics parameters = Intrinsics::Zero(Camera::parameterCount(*model));
@@ -55,6 +56,9 @@ std::string whyNoStart(const sensor_msgs::CameraInfo& info, std::optional<Camera
     return "its distortion_model " + info.distortion_model + " has " + std::to_string(expected) +
            " coefficients, but it holds " + std::to_string(info.D.size());
   }
+  const std::optional<Camera> camera = toCamera(info, model);
+  const std::string problem = camera ? implausibility(*camera) : "";
+  if (!problem.empty()) return "it cannot be right: " + problem;
   if (!model) return "its values describe no lens over the whole image";
   return "its values cannot be expressed in the model " + toString(*model) +
          " over the whole image; choose another ~model";

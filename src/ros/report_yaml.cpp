@@ -60,6 +60,15 @@ std::string toYaml(const CalibrationReport& report, std::int64_t dropped_images)
   emitCamera(report, &out);
   out << YAML::Key << "pixel_uncertainty_rms_px" << YAML::Value << report.uncertainty.rms;
   out << YAML::Key << "pixel_uncertainty_max_px" << YAML::Value << report.uncertainty.max;
+  out << YAML::Key << "pixel_uncertainty_observed_rms_px" << YAML::Value
+      << report.observed.uncertainty.rms;
+  out << YAML::Key << "observed_share" << YAML::Value << report.observed.share;
+  if (report.cross_validation.compared) {
+    const CrossValidation& halves = report.cross_validation;
+    out << YAML::Key << "cross_difference_px" << YAML::Value << halves.difference_px;
+    out << YAML::Key << "cross_expected_px" << YAML::Value << halves.expected_px;
+    out << YAML::Key << "cross_p_value" << YAML::Value << halves.p_value;
+  }
   out << YAML::Key << "entropy_nats" << YAML::Value << report.entropy;
   out << YAML::Key << "rolling_shutter" << YAML::Value << report.shutter.rolls;
   out << YAML::Key << "readout_time_s" << YAML::Value << report.shutter.readout_s;

@@ -1,5 +1,7 @@
 #include "camera_self_calibration/ros/start_camera.h"
 
+#include "camera_self_calibration/camera/plausibility.h"
+
 namespace camera_self_calibration {
 
 StartDecision StartCamera::decide(int width, int height, const ros::WallTime& now) {
@@ -11,7 +13,13 @@ StartDecision StartCamera::decide(int width, int height, const ros::WallTime& no
   if (factory_ != nullptr && options_->camera_info_input == "initial") {
     decision = fromFactory(width, height, now);
   }
-  if (!decision.wait && !decision.camera) decision.camera = fromParameters(width, height);
+  if (decision.wait || decision.camera) return decision;
+  const StartDecision given = fromParameters(width, height);
+  decision.camera = given.camera;
+  if (!given.sentence.empty()) {
+    decision.sentence += (decision.sentence.empty() ? "" : " ") + given.sentence;
+    decision.warning = true;
+  }
   return decision;
 }
 
@@ -28,12 +36,27 @@ StartDecision StartCamera::fromFactory(int width, int height, const ros::WallTim
   return decision;
 }
 
-std::optional<Camera> StartCamera::fromParameters(int width, int height) const {
-  const std::vector<double>& values = options_->initial_intrinsics;
-  if (values.empty() || width != first_width_ || height != first_height_) return std::nullopt;
-  return Camera(
-      options_->pipeline.firstModel(), width, height,
+StartDecision StartCamera::fromParameters(int width, int height) const {
+  StartDecision decision;
+  if (width != first_width_ || height != first_height_) return decision;
+  std::string problem;
+  decision.camera = startFromParameters(options_->pipeline.firstModel(),
+                                        options_->initial_intrinsics, width, height, &problem);
+  if (!problem.empty()) {
+    decision.sentence = "The parameter initial_intrinsics is not used: " + problem +
+                        ". The calibration starts from a guess.";
+  }
+  return decision;
+}
+
+std::optional<Camera> startFromParameters(CameraModel model, const std::vector<double>& values,
+                                          int width, int height, std::string* problem) {
+  if (values.empty()) return std::nullopt;
+  const Camera camera(
+      model, width, height,
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
+  *problem = implausibility(camera);
+  return problem->empty() ? std::optional<Camera>(camera) : std::nullopt;
 }
 
 }  // namespace camera_self_calibration

@@ -50,12 +50,30 @@ std::string modelsJson(const std::vector<ModelEvidence>& models) {
   return json::array(values);
 }
 
+std::string errorJson(const PixelError& error) {
+  return json::object({{"rms", json::number(error.rms)}, {"max", json::number(error.max)}});
+}
+
 std::string lensFitJson(const LensFitReport& fit) {
   return json::object({{"sentence", json::string(fit.sentence())},
                        {"better_model", json::string(fit.better)},
-                       {"misfit", json::object({{"rms", json::number(fit.misfit.rms)},
-                                                {"max", json::number(fit.misfit.max)}})},
+                       {"misfit", errorJson(fit.misfit)},
+                       {"misfit_observed", errorJson(fit.misfit_observed)},
                        {"undescribed_share", json::number(fit.undescribed)}});
+}
+
+std::string crossValidationJson(const CrossValidation& halves) {
+  return json::object({{"sentence", json::string(halves.sentence())},
+                       {"compared", halves.compared ? "true" : "false"},
+                       {"cross_difference_px", json::number(halves.difference_px)},
+                       {"expected_px", json::number(halves.expected_px)},
+                       {"p_value", json::number(halves.p_value)}});
+}
+
+std::string observedJson(const ObservedReport& observed) {
+  return json::object({{"share", json::number(observed.share)},
+                       {"pixel_uncertainty", errorJson(observed.uncertainty)},
+                       {"unseen_corners", json::string(observed.unseen_corners)}});
 }
 
 std::string eventsJson(const std::vector<Event>& events) {
@@ -115,7 +133,7 @@ void writeCsvHeader(const Camera& camera, std::ostream& file) {
   for (const std::string& name : all.parameterNames()) file << ',' << name;
   for (const std::string& name : all.parameterNames()) file << ",sigma_" << name;
   file << ",entropy,pixel_uncertainty_rms,pixel_uncertainty_max,queue_size,decision,state,epoch,"
-          "model\n";
+          "model,pixel_uncertainty_observed,observed_share,cross_difference_px,cross_expected_px\n";
 }
 
 // Without values where the lens model was another one than at last.
@@ -138,8 +156,11 @@ void writeCsvRow(const CalibrationReport& report, CameraModel model, std::ostrea
   writeParameters(report, model, file);
   file << ',' << report.entropy << ',' << report.uncertainty.rms << ',' << report.uncertainty.max
        << ',' << report.queue.segments.size() << ',' << quoted(report.queue.last_decision) << ','
-       << toString(report.state) << ',' << report.epoch << ',' << toString(report.camera.model())
-       << '\n';
+       << toString(report.state) << ',' << report.epoch << ',' << toString(report.camera.model());
+  const CrossValidation& halves = report.cross_validation;
+  file << ',' << report.observed.uncertainty.rms << ',' << report.observed.share << ','
+       << (halves.compared ? halves.difference_px : NAN) << ','
+       << (halves.compared ? halves.expected_px : NAN) << '\n';
 }
 
 std::vector<std::string> writeCalibrations(const fs::path& folder, const std::string& topic,
@@ -181,14 +202,15 @@ std::string summaryJson(const Recording& recording, const std::vector<json::Memb
       {"sentence", json::string(report.sentence)},
       {"hint", json::string(report.hint)},
       {"camera", cameraJson(report)},
-      {"pixel_uncertainty", json::object({{"rms", json::number(report.uncertainty.rms)},
-                                          {"max", json::number(report.uncertainty.max)}})},
+      {"pixel_uncertainty", errorJson(report.uncertainty)},
       {"frames", count(recording.frames)},
       {"keyframes", count(recording.keyframes)},
       {"processing_seconds", json::number(recording.processing_seconds)},
       {"frames_per_second", json::number(rate)},
       {"queue", json::object({{"segments", count(report.queue.segments.size())},
                               {"swaps", count(report.queue.swaps)}})},
+      {"observed", observedJson(report.observed)},
+      {"cross_validation", crossValidationJson(report.cross_validation)},
       {"lens_fit", lensFitJson(report.lens_fit)},
       {"models", modelsJson(report.models)},
       {"events", eventsJson(recording.events)}};

@@ -76,8 +76,12 @@ void addHead(const std::string& source_name, const Recording& recording, HtmlPag
                 verdictSentence(recording));
   if (!recording.complete) page->paragraph(kPartial);
   page->paragraph("Source: " + source_name + ". Camera model: " + modelText(report.camera) + ".");
+  const CrossValidation& halves = report.cross_validation;
   page->figures({{number(report.uncertainty.rms, 3) + " px", "expected error, rms"},
                  {number(report.uncertainty.max, 3) + " px", "expected error, worst place"},
+                 {number(report.observed.uncertainty.rms, 3) + " px", "rms where features were"},
+                 {halves.compared ? number(halves.difference_px, 3) + " px" : "unknown",
+                  "between two halves of the video"},
                  {std::to_string(recording.frames), "images"},
                  {std::to_string(recording.keyframes), "keyframes"},
                  {std::to_string(observationsOf(recording)), "observations in the queue"}});
@@ -131,7 +135,7 @@ void addTrust(const Recording& recording, HtmlPage* page) {
     page->paragraph("There is no estimate yet.");
     return;
   }
-  page->pictures({{drawUncertainty(recording.final_report), ""}, {drawCoverage(recording), ""}});
+  page->pictures({{drawUncertainty(recording), ""}, {drawCoverage(recording), ""}});
 }
 
 void addConvergence(const Recording& recording, HtmlPage* page) {

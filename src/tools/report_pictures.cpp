@@ -9,6 +9,7 @@
 #include "camera_self_calibration/plotting/histogram.h"
 #include "camera_self_calibration/plotting/image_map.h"
 #include "camera_self_calibration/plotting/trajectory_chart.h"
+#include "camera_self_calibration/queue/observed_area.h"
 #include "camera_self_calibration/queue/queue_residuals.h"
 #include "camera_self_calibration/reference/trajectory_comparison.h"
 
@@ -113,11 +114,31 @@ PlanePath pathOf(const std::string& name, const Colour& colour,
   return path;
 }
 
+// Centres of areas of two by two grid points that no feature reached.
+std::vector<Eigen::Vector2d> unobservedPixels(const Recording& recording) {
+  std::vector<Eigen::Vector2d> pixels;
+  if (!recording.learnt) return pixels;
+  const Camera& camera = recording.learnt->camera;
+  const ImageField observed = observedArea(recording.learnt->segments, camera, {});
+  for (int row = 0; row + 1 < ImageField::kRows; row += 2) {
+    for (int column = 0; column + 1 < ImageField::kColumns; column += 2) {
+      if (observed.sees(column, row) || observed.sees(column + 1, row + 1)) continue;
+      const auto pixel = [&](int c, int r) {
+        return ImageField::pixel(c, r, camera.width(), camera.height());
+      };
+      pixels.push_back(0.5 * (pixel(column, row) + pixel(column + 1, row + 1)));
+    }
+  }
+  return pixels;
+}
+
 }  // namespace
 
-cv::Mat drawUncertainty(const CalibrationReport& report) {
+cv::Mat drawUncertainty(const Recording& recording) {
+  const CalibrationReport& report = recording.final_report;
   if (report.covariance.size() == 0) return {};
-  ImageMap map = mapOver(report.camera, "expected error of a projection (1 sigma)", "px");
+  ImageMap map = mapOver(report.camera, "expected error (1 sigma); crosses: never seen", "px");
+  map.crosses = unobservedPixels(recording);
   map.values = Eigen::MatrixXd::Constant(30, 40, kNone);
   for (const UncertainPixel& point : uncertaintyOverImage(report.camera, report.covariance)) {
     const auto row = std::lround(point.pixel.y() / (report.camera.height() - 1) * 29.0);

@@ -10,7 +10,7 @@ namespace camera_self_calibration {
 /// Pictures of report.html, at twice the size at which they are shown.
 
 /// Expected error of a projection over the image.
-cv::Mat drawUncertainty(const CalibrationReport& report);
+cv::Mat drawUncertainty(const Recording& recording);
 
 /// rms residual over the image, with the mean residual as arrows.
 cv::Mat drawResidualMap(const Recording& recording);

@@ -39,6 +39,10 @@ std::string reportText(const Recording& recording) {
     text << std::setprecision(3) << "  pixel uncertainty: " << report.uncertainty.rms << " px rms, "
          << report.uncertainty.max << " px at worst\n";
   }
+  if (report.observed.share > 0.0) {
+    text << "  where features were (" << std::lround(100.0 * report.observed.share)
+         << " % of the image): " << report.observed.uncertainty.rms << " px rms\n";
+  }
   text << "  shutter: " << describe(report.shutter) << '\n';
   text << std::setprecision(1) << "  " << recording.frames << " frames, " << recording.keyframes
        << " keyframes in " << recording.processing_seconds << " s ("

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/queue/segment_fit.h"
 #include "estimation/sample_segments.h"

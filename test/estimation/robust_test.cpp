@@ -25,38 +25,5 @@ TEST(Huber, IsContinuousWithItsDerivative) {
   }
 }
 
-// Of printed tables.
-TEST(ChiSquare, QuantilesOfTheTables) {
-  EXPECT_NEAR(chiSquareQuantile(1, 0.05), 3.841458820694124, 1e-9);
-  EXPECT_NEAR(chiSquareQuantile(1, 0.9973002), 1.14449e-5, 1e-8);
-  EXPECT_NEAR(chiSquareQuantile(2, 0.01), 9.210340371976182, 1e-9);
-  EXPECT_NEAR(chiSquareQuantile(3, 0.05), 7.814727903251179, 1e-9);
-  EXPECT_NEAR(chiSquareQuantile(5, 0.001), 20.515005652432873, 1e-9);
-  EXPECT_NEAR(chiSquareQuantile(10, 0.5), 9.34181776559197, 1e-9);
-  EXPECT_NEAR(chiSquareQuantile(30, 0.975), 16.790772267408, 1e-6);
-  EXPECT_NEAR(chiSquareQuantile(100, 0.005), 140.169489443, 1e-6);
-}
-
-// Two degrees of freedom have a closed form, into the far tail.
-TEST(ChiSquare, TailsOfTwoDegrees) {
-  for (const double p : {0.5, 1e-3, 1e-5, 1e-8, 1e-12}) {
-    EXPECT_NEAR(chiSquareQuantile(2, p), -2.0 * std::log(p), 1e-8 * -std::log(p)) << p;
-  }
-  for (const double value : {1e-6, 0.5, 3.0, 20.0, 200.0}) {
-    EXPECT_NEAR(chiSquareExceedance(value, 2), std::exp(-0.5 * value),
-                1e-12 * std::exp(-0.5 * value) + 1e-16);
-  }
-}
-
-TEST(ChiSquare, ExceedanceInvertsTheQuantile) {
-  for (const int freedom : {1, 2, 3, 7, 17, 40, 200}) {
-    for (const double p : {0.999, 0.5, 0.05, 1e-3, 1e-6}) {
-      EXPECT_NEAR(chiSquareExceedance(chiSquareQuantile(freedom, p), freedom), p, 1e-10);
-    }
-  }
-  EXPECT_EQ(chiSquareExceedance(0.0, 3), 1.0);
-  EXPECT_EQ(chiSquareExceedance(-1.0, 3), 1.0);
-}
-
 }  // namespace
 }  // namespace camera_self_calibration

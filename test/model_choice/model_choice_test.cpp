@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "model_choice/sample_queues.h"
+#include "model_choice/model_queues.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -16,7 +16,7 @@ const Camera kMildFov = camera640(CameraModel::kFov, {420, 415, 325, 236, 0.35})
 const Camera kFov = camera640(CameraModel::kFov, {311.2, 309.8, 327.4, 233.1, 0.93});
 
 LensComparison compared(const Camera& truth, CameraModel present, int segments = 4) {
-  const Queue queue = queueOf(truth, present, segments);
+  const SolvedQueue queue = queueOf(truth, present, segments);
   return compareWithRicher(observationsOf(queue.estimate.candidates(), queue.solution.scatter),
                            queue.solution.camera, 1);
 }
@@ -35,13 +35,15 @@ TEST(LensTrial, ALeadIsJudgedByItsDegreesOfFreedom) {
   for (LensTrial* trial : {&pinhole, &fov, &radtan, &equidistant}) trial->usable = true;
   for (LensTrial* behind : {&pinhole, &fov, &radtan}) behind->cost = 10.0;
   const auto byChance = [](const LensTrial& ahead, const LensTrial& behind) {
-    return leadByChance(ahead, behind, 1.0);
+    return leadByChance(ahead, behind, LensKnowledge());
   };
   EXPECT_NEAR(byChance(equidistant, pinhole), 5.0e-4, 0.1e-4);   // 20 of 4
   EXPECT_NEAR(byChance(equidistant, fov), 1.7e-4, 0.1e-4);       // of 3
   EXPECT_NEAR(byChance(equidistant, radtan), 1.03e-2, 0.01e-2);  // of 8: not contained
   EXPECT_EQ(byChance(pinhole, equidistant), 1.0);
-  EXPECT_NEAR(leadByChance(equidistant, pinhole, 2.0), 4.04e-2, 0.01e-2);
+  EXPECT_NEAR(leadByChance(equidistant, pinhole, {2.0, 0, {}}), 4.04e-2, 0.01e-2);
+  // Where the disagreement of stretches is estimated from little.
+  EXPECT_NEAR(leadByChance(equidistant, pinhole, {1.0, 10, {}}), 1.78e-2, 0.01e-2);
 }
 
 TEST(ModelChoice, WhatDescribesTheLensStays) {

@@ -59,15 +59,19 @@ TEST(Health, ConvergesBelowTheThreshold) {
   EXPECT_NE(verdict.sentence.find("1.00 px"), std::string::npos) << verdict.sentence;
 }
 
-TEST(Health, StaysConvergedWithoutNewMotion) {
+TEST(Health, LeavesConvergedWhenItIsClearlyNoLongerGood) {
   EXPECT_EQ(judgeHealth(evidence(20, true, 1.4), kCamera, true).state,
             CalibrationState::kConverged);
   EXPECT_EQ(judgeHealth(evidence(20, true, 1.4), kCamera, false).state,
             CalibrationState::kConverging);
+  const HealthVerdict worse = judgeHealth(evidence(20, true, 1.6), kCamera, true);
+  EXPECT_EQ(worse.state, CalibrationState::kConverging);
+  EXPECT_NE(worse.sentence.find("1.60 px"), std::string::npos) << worse.sentence;
+  EXPECT_FALSE(worse.hint.empty());
 }
 
 TEST(Health, IsNotConvergedUnderAModelThatDoesNotFit) {
-  HealthEvidence misfit = evidence(20, true, 1.4);
+  HealthEvidence misfit = evidence(20, true, 1.6);
   misfit.better_model = "radtan";
   for (const bool was_converged : {false, true}) {
     const HealthVerdict verdict = judgeHealth(misfit, kCamera, was_converged);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <stdexcept>
 
@@ -48,6 +49,39 @@ TEST_F(RequestsTest, ResetTakesAStart) {
   EXPECT_THROW(run_.calibrator().reset(Camera()), std::invalid_argument);
   EXPECT_THROW(run_.calibrator().reset(Camera::defaultGuess(CameraModel::kPinhole, 640, 480)),
                std::invalid_argument);
+  Intrinsics millimetres = kTruth.parameters();
+  millimetres.head<4>() << 4.2, 4.2, 3.2, 2.4;
+  EXPECT_THROW(run_.calibrator().reset(withParameters(kTruth, millimetres)), std::invalid_argument);
+}
+
+// A focal length that is far off is learnt.
+TEST(Requests, NoStartTrapsIt) {
+  for (const double factor : {0.25, 0.5, 2.0, 8.0}) {
+    Intrinsics start = kTruth.parameters();
+    start.head<2>() *= factor;
+    Options options = optionsFor(kTruth.model());
+    options.initial_camera = withParameters(kTruth, start);
+    TrackRun run(kTruth, options, TrackRunOptions());
+    EXPECT_TRUE(run.runUntilConverged(900)) << factor << ": " << run.report().sentence;
+    EXPECT_LT(pixelDistance(kTruth, run.report().camera).rms, 1.0) << factor;
+  }
+}
+
+// Distortion that no track follows makes maps be lost one after the other.
+TEST(Requests, AStartThatPosesContradictIsGivenUp) {
+  const Camera truth = ordinaryCameras()[2];
+  Intrinsics start = truth.parameters();
+  start.tail<4>() << -2.0, 0.0, 0.0, 0.0;
+  start.head<2>() *= 0.3;
+  Options options = optionsFor(truth.model());
+  options.initial_camera = withParameters(truth, start);
+  TrackRun run(truth, options, TrackRunOptions());
+  EXPECT_TRUE(run.runUntilConverged(900)) << run.report().sentence;
+  EXPECT_LT(pixelDistance(truth, run.report().camera).rms, 1.0);
+  const auto& events = run.record.events;
+  EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const Event& event) {
+    return event.sentence.find("they are given up") != std::string::npos;
+  }));
 }
 
 TEST_F(RequestsTest, FrozenItKeepsTheCalibrationAndGoesOnTracking) {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "camera_self_calibration/estimation/robust.h"
+#include "camera_self_calibration/base/distributions.h"
 #include "lens_change/change_samples.h"
 
 namespace camera_self_calibration {
@@ -130,16 +130,6 @@ TEST(Agreement, ScatterOfTwoStretchesHidesNoLargeChange) {
   EXPECT_GT(fExceedance(60.0, 4, 4), 1e-4);
   EXPECT_LT(pValue(4.0 * 60.0, reference), 1e-6);
   EXPECT_GT(pValue(4.0 * 2.0, reference), 0.03);
-}
-
-TEST(Agreement, FDistribution) {
-  EXPECT_NEAR(fExceedance(4.387, 3, 8), 0.0419, 2e-4);
-  EXPECT_NEAR(fExceedance(3.3258, 5, 10), 0.05, 1e-4);  // tables
-  EXPECT_NEAR(fExceedance(10.4807, 5, 10), 0.001, 2e-6);
-  // The square of a t variable, and the limit of many degrees of freedom.
-  EXPECT_NEAR(fExceedance(12.706 * 12.706, 1, 1), 0.05, 1e-5);
-  EXPECT_NEAR(fExceedance(6.0, 5, 1000000) / chiSquareExceedance(30.0, 5), 1.0, 1e-3);
-  EXPECT_EQ(fExceedance(0.0, 5, 5), 1.0);
 }
 
 }  // namespace

@@ -59,6 +59,29 @@ TEST(CameraInfoPolicy, AChangeOfTheCameraWithdrawsIt) {
   EXPECT_EQ(publishedFocalLength(policy), 501.0) << "the deadband ends with the old calibration";
 }
 
+TEST(CameraInfoPolicy, TheLastGoodOneStaysUntilTheLensChanges) {
+  CameraInfoPolicy policy{CameraInfoOptions()};
+  CalibrationReport now = report(CalibrationState::kConverged, 500.0);
+  now.handed_over = true;
+  now.epoch = 3;
+  policy.update(now);
+  EXPECT_FALSE(policy.state().last_good);
+  CalibrationReport worse = report(CalibrationState::kConverging, 505.0);
+  worse.handed_over = true;
+  worse.epoch = 3;
+  policy.update(worse);
+  EXPECT_EQ(publishedFocalLength(policy), 500.0);
+  EXPECT_TRUE(policy.state().last_good);
+  now.camera = worse.camera;
+  policy.update(now);
+  EXPECT_EQ(publishedFocalLength(policy), 505.0);
+  EXPECT_FALSE(policy.state().last_good);
+  worse.epoch = 4;
+  policy.update(worse);
+  EXPECT_EQ(publishedFocalLength(policy), 0.0);
+  EXPECT_FALSE(policy.state().last_good);
+}
+
 TEST(CameraInfoPolicy, CarriesTheHeaderAndOnlyItsOwnSize) {
   CameraInfoPolicy policy{CameraInfoOptions()};
   policy.update(report(CalibrationState::kConverged, 500.0));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include "camera_self_calibration/camera/camera.h"
@@ -16,6 +17,12 @@ struct PixelError {
   /// Of what nothing is known of: infinite.
   static constexpr PixelError unknown() {
     return {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
+  }
+
+  PixelError scaled(double factor) const { return {factor * rms, factor * max}; }
+  /// The sum of two independent errors.
+  PixelError inQuadrature(const PixelError& other) const {
+    return {std::hypot(rms, other.rms), std::hypot(max, other.max)};
   }
 };
 
@@ -40,7 +47,7 @@ std::vector<UncertainPixel> uncertaintyOverImage(const Camera& camera,
 /// n_c x n_c matrix G such that a small change d of the intrinsics moves projections by
 /// `sqrt(d^T G d)` px rms over the image, rotation compensated: pixelUncertainty() is the root of
 /// trace(G C). Zero where no pixel has a ray.
-IntrinsicsMatrix pixelMetric(const Camera& camera);
+IntrinsicsMatrix pixelMetric(const Camera& camera, const ImageField& field = {});
 
 /// Distance between two calibrations of one image size, whatever their models: the pixels of `a`'s
 /// grid, their rays, projected by `b` after the camera rotation that fits best. Infinite where no

@@ -38,10 +38,4 @@ inline double unpredictableCost(double sigma, double threshold) {
   return huberCost(kUnpredictableResidualPx / sigma, threshold);
 }
 
-/// Upper quantile of the chi-square distribution: the value exceeded with this probability.
-double chiSquareQuantile(int degrees_of_freedom, double exceed_probability);
-
-/// Probability that a chi-square variable exceeds `value` (regularised incomplete gamma function).
-double chiSquareExceedance(double value, int degrees_of_freedom);
-
 }  // namespace camera_self_calibration

@@ -18,25 +18,32 @@ struct LensFitReport {
   bool compared = false;  ///< Else nothing is known yet.
   std::string model;      ///< The one in use.
   std::string better;     ///< Describes the lens where `model` misses it; empty: `model` does.
-  /// Distance of the lens in use from the better one, a rotation of the camera removed, over the
-  /// image, less what the uncertainties of both explain [px]. Pixels without a ray, unless they are
+  /// What the better model adds to the expected error of the lens in use, a rotation of the camera
+  /// removed, over the image [px]: distance^2 between the two + uncertainty^2 of the better one -
+  /// uncertainty^2 of the lens in use, which no longer holds. Pixels without a ray, unless they are
   /// a negligible rim, count like observations that cannot be predicted
   /// (kUnpredictableResidualPx).
   PixelError misfit;
+  PixelError misfit_observed;  ///< The same over the part of the image that features covered.
   /// Share of the image that has rays under the better model and none under the one in use.
   double undescribed = 0.0;
 
   /// Whether `model` has rays for the image but for a negligible rim.
   bool describesImage() const;
-  /// `uncertainty`, which is that of noise, with the misfit in quadrature.
-  PixelError total(const PixelError& uncertainty) const;
   /// In words; empty before the first comparison.
   std::string sentence() const;
 };
 
+/// The parts of the image that matter.
+struct SeenImage {
+  ImageField seeing;    ///< All that is not dark.
+  ImageField observed;  ///< Where features were (observedArea).
+};
+
 struct LensFitOptions {
-  /// Probability of calling a model wrong that is right, in one comparison; a run makes some ten.
-  double significance = 1e-4;
+  /// Probability of calling a model wrong that is right, in one comparison. A run makes some ten,
+  /// of much the same segments: fewer than one true model in a hundred is ever called wrong.
+  double significance = 1e-3;
 };
 
 /// Holds the model in use against richer lenses (compareWithRicher), which are published nowhere,
@@ -51,7 +58,7 @@ class LensFit {
   /// one.
   std::optional<LensComparison> consider(std::int64_t keyframes, bool verdict_due,
                                          const std::vector<Candidate>& queue,
-                                         const QueueSolution& solution, const ImageField& field,
+                                         const QueueSolution& solution, const SeenImage& image,
                                          int threads);
 
   const LensFitReport& report() const { return report_; }

@@ -15,8 +15,7 @@ namespace camera_self_calibration {
 struct LensObservations {
   std::vector<Segment> segments;     ///< Solved and gated; at least one.
   std::vector<double> sigma_scales;  ///< By which the sigmas of each are multiplied.
-  /// By which they disagree more than these sigmas say under the lens in use; 1: only one stretch.
-  double variance = 1.0;
+  Scatter scatter;                   ///< How far they disagree under the lens in use.
 };
 
 /// The queue's segments as they are. Those that the gate left serve as well as those observed,
@@ -44,6 +43,7 @@ struct LensKnowledge {
   /// far the stretches disagree. Under a lens that is wrong they disagree for that alone, so that
   /// the smaller of what this one and the one in use make of it counts.
   double variance = 1.0;
+  int freedom = 0;              ///< Degrees of freedom of the disagreement; 0: there is none.
   IntrinsicsMatrix covariance;  ///< Honest in the same way; empty where it is singular.
 };
 LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial& trial,
@@ -54,10 +54,11 @@ LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial&
 std::optional<Camera> likewise(const Camera& camera, CameraModel model, bool with_k3);
 
 /// Probability that the lead of `ahead` is chance, and the lens that is behind is right: twice the
-/// lead in log-likelihood over `variance` is chi-square distributed then. Its degrees of freedom
-/// are the parameters that `ahead` has more where it contains the other, all of its parameters, to
-/// be on the safe side, where it only comes close to it. 1 where it is not ahead.
-double leadByChance(const LensTrial& ahead, const LensTrial& behind, double variance);
+/// lead in log-likelihood over the variance of `known`, which is of `ahead`, is chi-square
+/// distributed then, or, as the disagreement is estimated, follows an F test. Its degrees of
+/// freedom are the parameters that `ahead` has more where it contains the other, all of its
+/// parameters, to be on the safe side, where it only comes close to it. 1 where it is not ahead.
+double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensKnowledge& known);
 
 /// The lens in use beside richer ones, radtan with k3 and equidistant.
 struct LensComparison {

@@ -108,6 +108,7 @@ class BackEnd {
   BackEndOutput finish(BackEndOutput output);
   void solveQueue();
   void adoptSolution();
+  void stateUncertainty();
   void judge(std::int64_t stamp_ns, std::vector<Event>* events);
   void fillQueueReport();
 
@@ -131,6 +132,7 @@ class BackEnd {
   Scatter usual_scatter_ = {40.0 * 3.0 * 3.0, 40};
   std::int64_t epoch_onset_ns_ = 0;           // keyframes before it are of an earlier epoch
   PixelError noise_ = PixelError::unknown();  // the reported uncertainty without any misfit
+  ImageField observed_;  // the part of the image that the queue's features covered
   bool handed_over_ = false;
   bool follows_queue_ = false;  // before hand-over: the queue's estimate is the better one
   bool changed_ = false;        // the estimate, by the newest keyframe

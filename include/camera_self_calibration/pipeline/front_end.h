@@ -78,6 +78,9 @@ class FrontEnd {
   /// The intrinsics of the map.
   const Camera& camera() const { return window_.camera(); }
 
+  /// Whether the intrinsics are learnt rather than those it began with.
+  bool knowsLens() const { return handed_over_ || window_.generation() > 0; }
+
   /// Starts a new map at the next frame, from the last pose; the calibration stays, and the present
   /// map may be found again.
   void resetMap();

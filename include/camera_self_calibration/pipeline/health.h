@@ -41,8 +41,8 @@ struct HealthVerdict {
   std::string hint;
 };
 
-/// `was_converged`: CONVERGED is left only on a change, a reset or where the model turns out not to
-/// describe the lens, never for lack of motion.
+/// CONVERGED at or below the threshold. `was_converged`: left only when the uncertainty exceeds it
+/// by half, so that the state does not flicker.
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera, bool was_converged);
 
 }  // namespace camera_self_calibration

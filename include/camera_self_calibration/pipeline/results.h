@@ -13,6 +13,7 @@
 #include "camera_self_calibration/model_choice/lens_fit.h"
 #include "camera_self_calibration/model_choice/model_choice.h"
 #include "camera_self_calibration/pipeline/health.h"
+#include "camera_self_calibration/queue/cross_validation.h"
 #include "camera_self_calibration/tracking/track.h"
 
 namespace camera_self_calibration {
@@ -80,6 +81,13 @@ struct ShutterReport {
 /// In words, with the readout time in milliseconds.
 std::string describe(const ShutterReport& shutter);
 
+/// What features of the queue's segments covered of the image.
+struct ObservedReport {
+  double share = 0.0;                              ///< Of the part of the image that sees, 0 to 1.
+  PixelError uncertainty = PixelError::unknown();  ///< There, as the whole image's [px].
+  std::string unseen_corners;                      ///< In words; empty where there is none.
+};
+
 /// What is known of the intrinsics.
 struct CalibrationReport {
   std::int64_t stamp_ns = 0;  ///< Of the newest image that it rests on.
@@ -88,10 +96,13 @@ struct CalibrationReport {
   std::string hint;      ///< Which motion would help; empty if none is needed.
   Camera camera;
   IntrinsicsMatrix covariance;  ///< n_c x n_c; empty until there is an estimate.
-  PixelError uncertainty;       ///< [px]; infinite until there is an estimate.
-  double entropy = 0.0;         ///< Of the estimate, normalised as the segments' [nats].
-  std::uint64_t revision = 0;   ///< Grows with each new estimate.
-  std::uint64_t epoch = 0;      ///< Grows with each change of the physical camera.
+  /// Expected error over the image [px]: of noise, of what halves of the video disagree beyond it,
+  /// and of the lens model's misfit. Infinite until there is an estimate.
+  PixelError uncertainty;
+  ObservedReport observed;     ///< Known after hand-over.
+  double entropy = 0.0;        ///< Of the estimate, normalised as the segments' [nats].
+  std::uint64_t revision = 0;  ///< Grows with each new estimate.
+  std::uint64_t epoch = 0;     ///< Grows with each change of the physical camera.
   /// Of the newest test whether the lens is still the same; 1 where there was none.
   double change_p_value = 1.0;
   std::string last_change;     ///< What the last change of the lens was; empty if there was none.
@@ -100,7 +111,8 @@ struct CalibrationReport {
   std::int64_t keyframes = 0;  ///< Seen so far.
   QueueReport queue;
   ShutterReport shutter;
-  LensFitReport lens_fit;  ///< Its misfit counts in `uncertainty`.
+  CrossValidation cross_validation;
+  LensFitReport lens_fit;
   /// Of the newest comparison of lens models; empty unless the model is to be chosen.
   std::vector<ModelEvidence> models;
 };

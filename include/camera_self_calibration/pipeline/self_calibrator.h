@@ -66,7 +66,7 @@ class SelfCalibrator {
   void resetTracking();
 
   /// Forgets everything and learns from the beginning: from the options' initial camera, or the
-  /// given one, which must be valid and of the options' model (else std::invalid_argument).
+  /// given one, which must be plausible and of the options' model (else std::invalid_argument).
   void reset();
   void reset(const Camera& start);
 

@@ -22,7 +22,8 @@ struct ImageMap {
   double highest = 0.0;  ///< Upper end of the colours; 0: the largest value.
   std::vector<Arrow> arrows;
   double arrow_scale = 1.0;
-  bool smooth = true;  ///< Between the values; false: one cell a value.
+  std::vector<Eigen::Vector2d> crosses;  ///< Pixels marked with a small cross.
+  bool smooth = true;                    ///< Between the values; false: one cell a value.
 };
 
 /// The map, `width` wide, with its scale of colours; `fine`: twice as many pixels. BGR, 8 bits.

@@ -77,7 +77,4 @@ Intrinsics compromise(const std::vector<Evidence>& evidence, const Reference& re
 /// more degrees of freedom had scattered by just those).
 double pValue(double statistic, const Reference& reference);
 
-/// Probability that a variable of the F distribution exceeds `value`.
-double fExceedance(double value, int numerator_freedom, int denominator_freedom);
-
 }  // namespace camera_self_calibration

@@ -27,13 +27,15 @@ struct CameraInfoState {
   PixelError error;              ///< Of the conversion to it [px].
   bool inherited = false;        ///< Rescaled from another image size, not estimated in this one.
   bool given = false;            ///< By set_camera_info, and not replaced by an estimate yet.
+  bool last_good = false;        ///< CONVERGED once, while the present estimate is not.
   /// Why zeros go out although there is a calibration; empty otherwise.
   std::string obstacle;
 };
 
 /// Decides which CameraInfo goes out: zeros until CONVERGED, and a new estimate only if it differs
-/// visibly, since every change makes consumers rebuild their rectification maps. Thread-safe, but
-/// for update() and inherit(), which must not overlap each other.
+/// visibly, since every change makes consumers rebuild their rectification maps. When CONVERGED is
+/// left, the last good one stays until a reset or a change of the lens. Thread-safe, but for
+/// update() and inherit(), which must not overlap each other.
 class CameraInfoPolicy {
  public:
   /// A conversion that errs by more than this is worth a warning [px].
@@ -71,6 +73,7 @@ class CameraInfoPolicy {
  private:
   bool usable(const CalibrationReport& report) const;
   bool keeps(const CalibrationReport& report);
+  bool lastGoodHolds(const CalibrationReport& report) const;
   std::string publish(const Camera& camera, bool converged);
   std::string judgement(const CalibrationReport& report) const;
   void setProjection(bool converged, sensor_msgs::CameraInfo* info);
@@ -84,6 +87,8 @@ class CameraInfoPolicy {
   mutable std::mutex mutex_;
   std::optional<Camera> camera_;  // Behind published_.
   std::optional<CameraInfoConversion> published_;
+  std::optional<std::uint64_t> good_epoch_;  // published_ was CONVERGED in this epoch.
+  bool last_good_ = false;
   bool inherited_ = false;
   bool given_ = false;
   bool awaits_beginning_ = false;  // Reports still come from before the reset.

@@ -11,7 +11,8 @@ namespace camera_self_calibration {
 
 /// The camera of `model` that a CameraInfo describes, exactly if the message's own model is that
 /// one or a special case of it, else fitted. Nothing where the message is uncalibrated, of an
-/// unknown distortion model, or cannot be fitted over the whole image.
+/// unknown distortion model, implausible (implausibility()), or cannot be fitted over the whole
+/// image. Without a model: in the message's own.
 std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info,
                                    std::optional<CameraModel> model);
 

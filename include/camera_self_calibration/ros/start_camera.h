@@ -4,6 +4,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "camera_self_calibration/ros/factory_calibration.h"
 #include "camera_self_calibration/ros/node_options.h"
@@ -35,7 +36,7 @@ class StartCamera {
 
  private:
   StartDecision fromFactory(int width, int height, const ros::WallTime& now);
-  std::optional<Camera> fromParameters(int width, int height) const;
+  StartDecision fromParameters(int width, int height) const;
 
   const NodeOptions* options_;
   const FactoryCalibration* factory_;
@@ -43,5 +44,10 @@ class StartCamera {
   int first_width_ = 0;
   int first_height_ = 0;
 };
+
+/// The parameter initial_intrinsics, `values` of `model`, for images of this size; nothing, and
+/// `problem` says why, where it cannot be right; nothing where it is not given.
+std::optional<Camera> startFromParameters(CameraModel model, const std::vector<double>& values,
+                                          int width, int height, std::string* problem);
 
 }  // namespace camera_self_calibration

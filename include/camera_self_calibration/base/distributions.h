@@ -1,0 +1,14 @@
+#pragma once
+
+namespace camera_self_calibration {
+
+/// Upper quantile of the chi-square distribution: the value exceeded with this probability.
+double chiSquareQuantile(double degrees_of_freedom, double exceed_probability);
+
+/// Probability that a chi-square variable exceeds `value`; degrees of freedom need not be whole.
+double chiSquareExceedance(double value, double degrees_of_freedom);
+
+/// Probability that a variable of Fisher's F distribution exceeds `value`.
+double fExceedance(double value, double numerator_freedom, double denominator_freedom);
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "camera_self_calibration/camera/camera.h"
+
+namespace camera_self_calibration {
+
+/// Why intrinsics cannot be those of any camera with images of this size, as a part of a sentence;
+/// empty if they can. Bounds that no lens comes near: focal lengths of a tenth to fifty times the
+/// image's longer side (one of 180 degrees has a third, a telescope of two degrees thirty), a ratio
+/// of the two of at most four (half the lines of interlaced video make two), and a principal point
+/// at most one image size outside, as in an image cut out of a larger one.
+std::string implausibility(const Camera& camera);
+
+}  // namespace camera_self_calibration

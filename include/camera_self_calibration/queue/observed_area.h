@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/image_field.h"
+#include "camera_self_calibration/queue/candidate_window.h"
+
+namespace camera_self_calibration {
+
+/// The part of `seeing` that features of these segments covered: grid points with an observation at
+/// most one and a half grid spacings away. Elsewhere the lens model alone tells where rays go.
+ImageField observedArea(const std::vector<Candidate>& queue, const Camera& camera,
+                        const ImageField& seeing);
+
+/// Corners that see and that no feature ever reached, in words: "the upper left corner was never
+/// seen"; empty if there is none.
+std::string unseenCorners(const ImageField& observed, const ImageField& seeing);
+
+}  // namespace camera_self_calibration

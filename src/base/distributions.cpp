@@ -1,0 +1,26 @@
+#include "camera_self_calibration/base/distributions.h"
+
+#include <boost/math/special_functions/beta.hpp>
+#include <boost/math/special_functions/gamma.hpp>
+#include <cmath>
+
+namespace camera_self_calibration {
+
+double chiSquareQuantile(double degrees_of_freedom, double exceed_probability) {
+  return 2.0 * boost::math::gamma_q_inv(0.5 * degrees_of_freedom, exceed_probability);
+}
+
+double chiSquareExceedance(double value, double degrees_of_freedom) {
+  if (std::isnan(value)) return value;
+  if (value <= 0.0) return 1.0;
+  if (!(degrees_of_freedom > 0.0) || std::isinf(value)) return 0.0;
+  return boost::math::gamma_q(0.5 * degrees_of_freedom, 0.5 * value);
+}
+
+double fExceedance(double value, double numerator_freedom, double denominator_freedom) {
+  if (!(value > 0.0)) return 1.0;
+  const double x = denominator_freedom / (denominator_freedom + numerator_freedom * value);
+  return boost::math::ibeta(0.5 * denominator_freedom, 0.5 * numerator_freedom, x);
+}
+
+}  // namespace camera_self_calibration
