@@ -75,7 +75,7 @@ void runUntil(long last) {
     keyframes += is_keyframe ? 1 : 0;
   };
   Options options;
-  options.model = camera.model();
+  options.model = CameraModel::kFov;
   SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
   bool first = true;
   long next = 100;
