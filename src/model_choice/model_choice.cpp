@@ -3,22 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
-#include <iterator>
 #include <limits>
-#include <set>
 
-#include "camera_self_calibration/camera/fit.h"
-#include "camera_self_calibration/map/rolling_shutter.h"
-#include "camera_self_calibration/model_choice/held_out.h"
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kGoodShare = 0.9;        // of the most tracks that any model keeps
 constexpr std::int64_t kMinInterval = 5;  // keyframes between comparisons
 constexpr std::int64_t kMaxInterval = 100;
+// rms uncertainty over image width above which an estimate tells nothing of the lens.
+constexpr double kUselessShare = 0.03;
 
 struct Hypothesis {
   CameraModel model;
@@ -31,143 +27,145 @@ constexpr std::array<Hypothesis, 5> kHypotheses = {{{CameraModel::kPinhole, fals
                                                     {CameraModel::kEquidistant, false},
                                                     {CameraModel::kRadtan, true}}};
 
-std::string nameOf(const Hypothesis& hypothesis) {
-  return toString(hypothesis.model) + (hypothesis.with_k3 ? " with k3" : "");
-}
-
 bool describes(const Hypothesis& hypothesis, const Camera& camera) {
   return hypothesis.model == camera.model() &&
          hypothesis.with_k3 == (camera.estimatedCount() == kMaxIntrinsics);
 }
 
-// What `present` is in another model, as a start.
-std::optional<Camera> startOf(const Hypothesis& hypothesis, const Camera& present) {
-  if (describes(hypothesis, present)) return present;
-  const std::optional<CameraFit> fit = fitCamera(present, hypothesis.model);
-  if (!fit) return std::nullopt;
-  Camera camera = fit->camera;
-  if (hypothesis.model != CameraModel::kRadtan) return camera;
-  const int count = Camera::parameterCount(CameraModel::kRadtan);
-  camera = Camera(camera.model(), camera.width(), camera.height(), camera.parameters().head(count));
-  if (hypothesis.with_k3) camera.setEstimateK3(true);
-  return camera;
-}
+double square(double value) { return value * value; }
 
-struct Trial {
-  JointFit fit;
-  double held_out = kInfinity;  // cost
+// All lenses fitted to the same observations, each fitted when it is asked for.
+class Trials {
+ public:
+  Trials(const LensComparison& comparison, const ImageField& field, int threads)
+      : observations_(comparison.observations), field_(field), threads_(threads) {
+    trials_ = comparison.richer;
+    trials_.push_back(comparison.present);
+  }
+
+  // The best fit so far, from whose poses and depths the others start.
+  const LensTrial& best() const {
+    return *std::min_element(
+        trials_.begin(), trials_.end(),
+        [](const LensTrial& a, const LensTrial& b) { return a.cost < b.cost; });
+  }
+
+  const LensTrial* find(const Hypothesis& hypothesis) {
+    for (const LensTrial& trial : trials_) {
+      if (describes(hypothesis, trial.camera)) return &trial;
+    }
+    const LensTrial from = best();
+    const auto start = likewise(from.camera, hypothesis.model, hypothesis.with_k3);
+    if (!start) return nullptr;
+    LensObservations observations = observations_;
+    observations.segments = from.segments;
+    trials_.push_back(tryLens(observations, *start, threads_));
+    return &trials_.back();
+  }
+
+  LensKnowledge knowledge(const LensTrial& trial) const {
+    return knowledgeOf(observations_, trial, threads_);
+  }
+
+  // Squared pixel uncertainty; infinite where it is unknown [px^2].
+  double noise(const LensTrial& trial) const {
+    return square(pixelUncertainty(trial.camera, knowledge(trial).covariance, field_).rms);
+  }
+
+  // Expected squared error of a lens if `other` is of the right model: its noise, and what it is
+  // off beyond what the noise of both explains [px^2].
+  double error(const LensTrial& lens, const LensTrial& other) const {
+    const double own = noise(lens);
+    const double off = square(pixelDistance(lens.camera, other.camera, field_).rms);
+    const double explained = own + noise(other);
+    return explained < off ? off - noise(other) : own;
+  }
+
+  bool isUseful(double error) const {
+    return error < square(kUselessShare * trials_.front().camera.width());
+  }
+
+  std::vector<ModelEvidence> evidence(const std::string& chosen, double variance) const {
+    const auto found = std::find_if(trials_.begin(), trials_.end(),
+                                    [&](const LensTrial& trial) { return trial.name() == chosen; });
+    std::vector<ModelEvidence> evidence;
+    for (const LensTrial& trial : trials_) {
+      const bool is_chosen = trial.name() == chosen;
+      evidence.push_back(
+          {trial.name(), is_chosen, is_chosen ? 0.0 : (trial.cost - found->cost) / variance});
+    }
+    return evidence;
+  }
+
+ private:
+  const LensObservations& observations_;
+  const ImageField& field_;
+  int threads_;
+  std::vector<LensTrial> trials_;
 };
 
-std::vector<Trial> fitAll(const std::vector<Segment>& segments, const Camera& present,
-                          int threads) {
-  std::vector<Trial> trials(kHypotheses.size());
-  for (std::size_t h = 0; h < trials.size(); ++h) {
-    const std::optional<Camera> start = startOf(kHypotheses[h], present);
-    if (start) trials[h].fit = fitJointly(segments, *start, threads);
+// The simplest that the best fit does not refute.
+std::optional<LensTrial> simplestTenable(double refuted, const LensKnowledge& known,
+                                         Trials* trials) {
+  for (const Hypothesis& hypothesis : kHypotheses) {
+    const LensTrial* trial = trials->find(hypothesis);
+    if (trial == nullptr || !trial->usable) continue;
+    if (leadByChance(trials->best(), *trial, known) >= refuted) return *trial;
   }
-  return trials;
+  return std::nullopt;
 }
 
-// What all answer for: the tracks that every model keeps that can explain nearly as many as any,
-// with the least error that one of these leaves unexplained.
-std::vector<ComparedTracks> commonTracks(const std::vector<Trial>& trials) {
-  int most = 0;
-  for (const Trial& trial : trials) most = std::max(most, trial.fit.trackCount());
-  std::vector<ComparedTracks> common;
-  for (const Trial& trial : trials) {
-    if (!trial.fit.usable || trial.fit.trackCount() < kGoodShare * most) continue;
-    if (common.empty()) common = trial.fit.tracks;
-    for (std::size_t i = 0; i < common.size(); ++i) {
-      const ComparedTracks& own = trial.fit.tracks[i];
-      std::set<std::int64_t> both;
-      std::set_intersection(common[i].ids.begin(), common[i].ids.end(), own.ids.begin(),
-                            own.ids.end(), std::inserter(both, both.begin()));
-      common[i].ids = both;
-      common[i].unexplained_sigma = std::min(common[i].unexplained_sigma, own.unexplained_sigma);
+// A simpler lens that explains as much, or is known so much better that it is nearer to the truth.
+std::optional<LensTrial> simplerThan(const LensTrial& present, const LensKnowledge& known,
+                                     const ModelChoiceOptions& options,
+                                     const std::set<std::string>& refuted, Trials* trials) {
+  const double noise = trials->noise(present);
+  for (const Hypothesis& hypothesis : kHypotheses) {
+    if (Camera::parameterCount(hypothesis.model) + (hypothesis.with_k3 ? 1 : 0) >=
+        present.camera.estimatedCount()) {
+      break;
     }
+    const LensTrial* found = trials->find(hypothesis);
+    if (found == nullptr || !found->usable) continue;
+    const LensTrial simpler = *found;
+    const double error = trials->error(simpler, present);
+    const bool plausible = leadByChance(present, simpler, known) > options.plausible;
+    if (plausible && error <= noise && refuted.count(simpler.name()) == 0) return simpler;
+    if (trials->isUseful(error) && error < options.clearly_less * noise) return simpler;
   }
-  return common;
-}
-
-void holdOut(const std::vector<Segment>& segments, int threads, std::vector<Trial>* trials) {
-  const std::vector<ComparedTracks> common = commonTracks(*trials);
-  double best = kInfinity;
-  double design_effect = 1.0;  // of the best
-  for (Trial& trial : *trials) {
-    if (!trial.fit.usable) continue;
-    const HeldOut held = leaveOneOut(segments, common, trial.fit, threads);
-    if (!held.usable) continue;
-    trial.held_out = held.total();
-    if (trial.held_out >= best) continue;
-    best = trial.held_out;
-    design_effect = std::max(1.0, held.design_effect);
-  }
-  for (Trial& trial : *trials) trial.held_out /= design_effect;
-}
-
-// The simplest hypothesis that is not clearly worse than the best.
-std::size_t simplestGood(const std::vector<Trial>& trials, double negligible) {
-  double best = kInfinity;
-  for (const Trial& trial : trials) best = std::min(best, trial.held_out);
-  for (std::size_t h = 0; h < trials.size(); ++h) {
-    if (trials[h].held_out <= best + negligible) return h;
-  }
-  return 0;
+  return std::nullopt;
 }
 
 }  // namespace
 
-void ModelChoice::observe(const Segment& candidate) {
-  if (candidate.earlier_camera ||
-      static_cast<int>(candidate.keyframes.size()) < options_.segment_keyframes) {
-    return;
-  }
-  if (!kept_.empty() && candidate.beginNs() <= kept_.back().endNs()) return;
-  kept_.push_back(candidate);
-  if (static_cast<int>(kept_.size()) > options_.max_segments) kept_.erase(kept_.begin());
-}
-
-void ModelChoice::setRowTime(double row_time_s, const Camera& camera) {
-  for (Segment& segment : kept_) {
-    setRowTimeOfScene(row_time_s, camera, &segment);
-  }
-}
-
-std::optional<Camera> ModelChoice::consider(std::int64_t keyframes,
-                                            const std::vector<Segment>& queue,
-                                            const Camera& present, int threads) {
-  const std::vector<Segment>& segments = queue.size() < kept_.size() ? kept_ : queue;
-  if (keyframes < next_ || static_cast<int>(segments.size()) < options_.min_segments) {
-    return std::nullopt;
-  }
+bool ModelChoice::isDue(std::int64_t keyframes) {
+  if (keyframes < next_) return false;
   next_ = keyframes + std::clamp(keyframes / 4, kMinInterval, kMaxInterval);
-  const std::optional<Camera> other = compare(segments, present, threads);
-  if (other) next_ = keyframes + kMinInterval;  // to be confirmed soon
-  return other;
+  return true;
 }
 
-std::optional<Camera> ModelChoice::compare(const std::vector<Segment>& segments,
-                                           const Camera& present, int threads) {
-  std::vector<Trial> trials = fitAll(segments, present, threads);
-  holdOut(segments, threads, &trials);
-  std::size_t now = 0;
-  while (!describes(kHypotheses[now], present)) ++now;
-  const std::size_t good = simplestGood(trials, options_.negligible);
-  if (!std::isfinite(trials[good].held_out)) return std::nullopt;  // nothing fits
-  const double lead = trials[now].held_out - trials[good].held_out;
-  const bool simpler = trials[good].fit.camera.estimatedCount() < present.estimatedCount();
-  const double needed = simpler ? -options_.negligible : options_.decisive * (1 + switches_);
-  const bool change = good != now && lead > needed;
-  const std::size_t chosen = change ? good : now;
-  evidence_.clear();
-  for (std::size_t h = 0; h < trials.size(); ++h) {
-    const double behind = trials[h].held_out - trials[chosen].held_out;
-    evidence_.push_back({nameOf(kHypotheses[h]), h == chosen, h == chosen ? 0.0 : behind});
+std::optional<LensTrial> ModelChoice::choose(const LensComparison& comparison,
+                                             const ImageField& field, int threads) {
+  const LensTrial& present = comparison.present;
+  Trials trials(comparison, field, threads);
+  const LensTrial best = trials.best();
+  if (!best.usable) return std::nullopt;
+  const LensKnowledge known = trials.knowledge(best);
+  const bool alone = comparison.observations.segments.size() == 1;
+  const double refuted = alone ? options_.refuted_alone : options_.refuted;
+  std::optional<LensTrial> other;
+  if (leadByChance(best, present, known) < refuted) {
+    other = simplestTenable(refuted, known, &trials);
+    // Wrong but well known may be nearer to the truth than right but hardly known.
+    if (other && present.usable && !(trials.noise(*other) <= trials.error(present, *other))) {
+      other.reset();
+    }
+    if (other && !alone) refuted_.insert(present.name());
+  } else {
+    other = simplerThan(present, known, options_, refuted_, &trials);
   }
-  settled_ = !change;
-  if (!change) return std::nullopt;
-  ++switches_;
-  return trials[good].fit.camera;
+  evidence_ = trials.evidence(other ? other->name() : present.name(), known.variance);
+  return other;
 }
 
 std::string ModelChoice::sentence() const {
@@ -180,13 +178,13 @@ std::string ModelChoice::sentence() const {
       next = &evidence;
     }
   }
-  if (chosen == nullptr || next == nullptr) return "";
-  char text[200];
-  std::snprintf(text, sizeof(text),
-                "lens model %s, %.1f nats %s the next best, %s, on held-out observations",
-                chosen->model.c_str(), std::abs(next->behind),
-                next->behind < 0.0 ? "behind (and simpler than)" : "ahead of", next->model.c_str());
-  return text;
+  if (chosen == nullptr) return "";
+  const std::string text = "lens model " + chosen->model;
+  if (next == nullptr) return text + ": a richer one promises nothing";
+  return text +
+         formatted(", %.1f nats %s the next best, ", std::abs(next->behind),
+                   next->behind < 0.0 ? "behind" : "ahead of") +
+         next->model;
 }
 
 }  // namespace camera_self_calibration

@@ -24,7 +24,6 @@ BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
     state_.field = seen.field;
     const KeyframeMessage message =
         state_.shutter.freed(seen, state_.known.camera, isInformed(state_.phase));
-    considerModel(message);
     if (isStarting(state_.phase)) runStartup(message.history);
     state_.outcome = considerCandidate(message);
     considerDrift();
@@ -51,45 +50,16 @@ void BackEnd::see(const KeyframeMessage& message) {
   state_.keyframes = message.keyframes;
 }
 
-void BackEnd::considerModel(const KeyframeMessage& message) {
-  const bool informed = !isStarting(state_.phase) || state_.startup.isInformative();
-  if (!options_.choose_model || !informed) return;
-  state_.model_choice.observe(message.candidate);
-  std::vector<Segment> observed;
-  for (const Candidate& candidate : state_.queue.candidates()) {
-    const bool restored = candidate.observed.keyframes.empty();
-    observed.push_back(restored ? candidate.segment : candidate.observed);
-  }
-  const std::optional<Camera> camera = state_.model_choice.consider(
-      state_.keyframes, observed, state_.known.camera, options_.solver_threads);
-  if (camera) switchModel(*camera, observed);
-}
-
-// The queue's segments stay, scored anew; if their joint estimate fails, all stays as it was.
-void BackEnd::switchModel(const Camera& camera, const std::vector<Segment>& observed) {
-  std::vector<Candidate> candidates;
-  for (const Segment& segment : observed) {
-    candidates.push_back(evaluateCandidate(CandidateOptions(), segment, camera));
-  }
-  SegmentQueue queue = state_.queue;
-  const int taken = queue.rebuild(candidates, state_.shutter.startFrom(camera));
-  if (!isStarting(state_.phase) && !queue.solution().usable) return;
-  state_.startup.switchModel(camera);
-  clearQueue();
-  state_.queue = std::move(queue);
-  state_.shutter.noteTaken(taken);
-  state_.known = KnownLens();
-  state_.known.camera = camera;
-  if (!isStarting(state_.phase)) adoptSolution();
-}
-
 void BackEnd::runStartup(const Segment& history) {
   state_.startup.add(history);
+  const Camera& present = state_.startup.camera();
   if (state_.startup.usable() &&
-      state_.known.camera.estimatedCount() != state_.startup.camera().estimatedCount()) {
-    clearQueue();  // its segments were scored for another number of parameters
+      (state_.known.camera.model() != present.model() ||
+       state_.known.camera.estimatedCount() != present.estimatedCount())) {
+    clearQueue();  // its segments were scored for other parameters
   }
   followTheBetter();
+  considerStartupModel();
 }
 
 void BackEnd::followTheBetter() {
@@ -200,7 +170,6 @@ void BackEnd::considerRowTime() {
 void BackEnd::adoptRowTime() {
   const double row_time_s = state_.shutter.rowTime().inUse();
   if (isStarting(state_.phase)) state_.startup.setRowTime(row_time_s);
-  state_.model_choice.setRowTime(row_time_s, state_.known.camera);
   state_.watch.forgetWindows();
   std::vector<Candidate> freed;
   for (const Candidate& candidate : state_.queue.candidates()) {
@@ -218,10 +187,6 @@ void BackEnd::adoptRowTime() {
 
 void BackEnd::considerHandover() {
   if (!isStarting(state_.phase)) return;
-  if (options_.choose_model && !state_.model_choice.settled()) {
-    state_.obstacle = "the lens model is not chosen yet";
-    return;
-  }
   const HandoverLimits limits{2.0 * convergedRms(), options_.handover_entropy};
   const PixelError startup_uncertainty = startupUncertainty(state_.startup, state_.field);
   if (state_.queue.candidates().size() < 2 && startup_uncertainty.rms < limits.pixel_rms) {
@@ -251,19 +216,6 @@ void BackEnd::offerHalves() {
     halves.push_back(evaluateCandidate(CandidateOptions(), half, state_.startup.camera()));
   }
   adoptChange(state_.queue.offer(halves, queueStart()));
-}
-
-// Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.
-void BackEnd::considerLensFit() {
-  if (isStarting(state_.phase)) return;
-  const bool verdict_due = state_.health.state != CalibrationState::kConverged &&
-                           state_.known.noise.rms <= convergedRms();
-  if (state_.lens_fit.consider(state_.keyframes, verdict_due, state_.queue.candidates(),
-                               state_.queue.solution(), {state_.field, state_.known.observed_area},
-                               options_.solver_threads)) {
-    stateUncertainty();
-    changed_ = true;
-  }
 }
 
 void BackEnd::judge() {

@@ -55,7 +55,10 @@ HealthVerdict verdictOn(const BackEndState& state, double converged_rms) {
   evidence.threshold_px = converged_rms;
   evidence.epoch = state.counters.epoch;
   evidence.obstacle = state.obstacle;
-  if (fit.misfit.rms > state.known.noise.rms) evidence.better_model = fit.better;
+  // What the user can do about it; where the model is chosen it follows by itself.
+  if (fit.misfit.rms > state.known.noise.rms && !state.chooses_model) {
+    evidence.better_model = fit.better;
+  }
   const bool was_converged = state.health.state == CalibrationState::kConverged;
   return judgeHealth(evidence, state.known.camera, was_converged);
 }

@@ -13,6 +13,7 @@ namespace {
 StartupOptions startupOptions(const Options& options) {
   StartupOptions startup;
   startup.max_keyframes = options.startup_keyframes;
+  startup.choose_model = !options.model;
   return startup;
 }
 
@@ -24,7 +25,8 @@ std::string describe(const Event& event) {
 }  // namespace
 
 BackEndState::BackEndState(const Options& options, const Camera& camera)
-    : startup(startupOptions(options), camera),
+    : chooses_model(!options.model),
+      startup(startupOptions(options), camera),
       queue(QueuePolicy(options.queue_segments, options.alpha, options.score),
             options.solver_threads),
       shutter(options, camera.height()),
@@ -47,7 +49,7 @@ BackEnd::BackEnd(const Options& options, const Camera& camera, const Counters& c
 
 bool BackEnd::restore(const LearntState& state) {
   const Camera& own = state_.known.camera;
-  const bool same_model = options_.choose_model || state.camera.model() == own.model();
+  const bool same_model = state_.chooses_model || state.camera.model() == own.model();
   if (state_.phase != Phase::kNothingKnown || !state.problems().empty() || !same_model ||
       state.camera.width() != own.width() || state.camera.height() != own.height()) {
     return false;

@@ -18,6 +18,10 @@ constexpr int kMostQueuedImages = 1000;
 
 }  // namespace
 
+CameraModel Options::firstModel() const {
+  return model.value_or(initial_camera ? initial_camera->model() : CameraModel::kPinhole);
+}
+
 double Options::convergedRms(int width) const {
   constexpr double kPixelsPerWidth = 1.0 / 640.0;
   return converged_pixel_rms > 0.0 ? converged_pixel_rms : kPixelsPerWidth * width;
@@ -70,10 +74,10 @@ std::vector<std::string> Options::problems() const {
   if (std::isnan(handover_entropy)) {
     list.push_back("handover_entropy is not a number; -infinity turns it off");
   }
-  if (initial_camera && (!initial_camera->valid() || initial_camera->model() != model ||
+  if (initial_camera && (!initial_camera->valid() || initial_camera->model() != firstModel() ||
                          initial_camera->width() <= 0 || initial_camera->height() <= 0)) {
-    list.push_back("the initial intrinsics are no valid ones of the model " + toString(model) +
-                   ", or lack their image size");
+    list.push_back("the initial intrinsics are no valid ones of the model " +
+                   toString(firstModel()) + ", or lack their image size");
   } else if (initial_camera) {
     const std::string problem = implausibility(*initial_camera);
     if (!problem.empty()) list.push_back("the initial intrinsics cannot be right: " + problem);

@@ -37,10 +37,11 @@ void SelfCalibrator::resetTracking() { impl_->requests.resetTracking(); }
 void SelfCalibrator::reset() { impl_->requests.restart({}); }
 
 void SelfCalibrator::reset(const Camera& start) {
-  if (!start.valid() || start.model() != impl_->options.model || start.width() <= 0 ||
+  const std::optional<CameraModel>& model = impl_->options.model;
+  if (!start.valid() || (model && start.model() != *model) || start.width() <= 0 ||
       start.height() <= 0) {
-    throw std::invalid_argument("the start must be a valid camera of the model " +
-                                toString(impl_->options.model));
+    throw std::invalid_argument("the start must be a valid camera" +
+                                (model ? " of the model " + toString(*model) : ""));
   }
   const std::string problem = implausibility(start);
   if (!problem.empty()) throw std::invalid_argument("the start cannot be right: " + problem);
@@ -50,9 +51,10 @@ void SelfCalibrator::reset(const Camera& start) {
 void SelfCalibrator::restore(const std::shared_ptr<const LearntState>& state) {
   if (!state) throw std::invalid_argument("there is no state");
   for (const std::string& problem : state->problems()) throw std::invalid_argument(problem);
-  if (state->camera.model() != impl_->options.model && !impl_->options.choose_model) {
+  const std::optional<CameraModel>& model = impl_->options.model;
+  if (model && state->camera.model() != *model) {
     throw std::invalid_argument("it is of the model " + toString(state->camera.model()) + ", not " +
-                                toString(impl_->options.model));
+                                toString(*model));
   }
   impl_->requests.restart({std::nullopt, state});
 }

@@ -87,7 +87,7 @@ void SelfCalibrator::Impl::start(int image_width, int image_height,
   } else if (options.initial_camera) {
     next->camera = *options.initial_camera;
   } else {
-    next->camera = Camera::defaultGuess(options.model, image_width, image_height);
+    next->camera = Camera::defaultGuess(options.firstModel(), image_width, image_height);
   }
   beginning = next;
   maps_lost = 0;
@@ -128,13 +128,13 @@ void SelfCalibrator::Impl::followRequests(const TrackedFrame& frame) {
 void SelfCalibrator::Impl::distrustStart(const TrackedFrame& frame) {
   if (front_end->knowsLens()) return;
   const bool given = beginning->camera.parameters() !=
-                     Camera::defaultGuess(options.model, width, height).parameters();
+                     Camera::defaultGuess(beginning->camera.model(), width, height).parameters();
   if (++maps_lost < kMapsToDistrustStart || !given || options.fix_intrinsics) return;
   raise({EventType::kInput, frame.stamp_ns, frame.stamp_ns,
          std::to_string(maps_lost) +
              " maps in a row were lost with the start values: they are given up, and the "
              "calibration begins again from a guess"});
-  start(width, height, {Camera::defaultGuess(options.model, width, height), nullptr});
+  start(width, height, {Camera::defaultGuess(options.firstModel(), width, height), nullptr});
 }
 
 // What was learnt for another image size is not used; it would keep all images out.

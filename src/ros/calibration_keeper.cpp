@@ -30,7 +30,6 @@ StoreOptions storeOptions(const NodeOptions& options, const std::string& camera_
   if (!options.camera_info_url.empty()) {
     store.calibration_file = resolveCalibrationUrl(options.camera_info_url, camera_name).path;
   }
-  store.any_model = options.pipeline.choose_model;
   store.state_file = resolvePath(options.state_file, camera_name).path;
   return store;
 }

@@ -40,9 +40,11 @@ const char* const kLeftUntouched = "; it is left untouched: move it away or choo
 
 }  // namespace
 
-CalibrationStore::Loaded CalibrationStore::load(CameraModel model, int width, int height) {
+CalibrationStore::Loaded CalibrationStore::load(std::optional<CameraModel> model, int width,
+                                                int height) {
   const std::lock_guard<std::mutex> lock(mutex_);
   Loaded loaded;
+  loaded_ = true;
   loaded_model_ = model;
   const KnownState state = readState(model, width, height);
   if (state.state) {
@@ -55,8 +57,8 @@ CalibrationStore::Loaded CalibrationStore::load(CameraModel model, int width, in
     loaded.camera = fit.camera;
     loaded.notes.push_back("the calibration in " + options_.calibration_file + " is the start" +
                            (fit.error.max > 0.0
-                                ? ", fitted to the model " + toString(model) + " within " +
-                                      formatted("%.3g px", fit.error.max)
+                                ? ", fitted to the model " + toString(fit.camera.model()) +
+                                      " within " + formatted("%.3g px", fit.error.max)
                                 : ""));
   }
   for (const std::string& problem : {state.refusal, calibration.refusal}) {
@@ -65,8 +67,8 @@ CalibrationStore::Loaded CalibrationStore::load(CameraModel model, int width, in
   return loaded;
 }
 
-CalibrationStore::KnownState CalibrationStore::readState(CameraModel model, int width,
-                                                         int height) const {
+CalibrationStore::KnownState CalibrationStore::readState(std::optional<CameraModel> model,
+                                                         int width, int height) const {
   if (options_.state_file.empty()) return {};
   const FileContents contents = readFile(options_.state_file);
   if (!contents.exists) return {};
@@ -78,8 +80,8 @@ CalibrationStore::KnownState CalibrationStore::readState(CameraModel model, int 
   const DecodedState decoded = decodeState(contents.bytes);
   if (!decoded.state) return refused(decoded.error);
   const Camera& camera = decoded.state->camera;
-  if (camera.model() != model && !options_.any_model) {
-    return refused("it is for the model " + toString(camera.model()) + ", not " + toString(model));
+  if (model && camera.model() != *model) {
+    return refused("it is for the model " + toString(camera.model()) + ", not " + toString(*model));
   }
   if (camera.width() != width || camera.height() != height) {
     return refused("it is for images of " + sizeText(camera.width(), camera.height()) +
@@ -89,8 +91,8 @@ CalibrationStore::KnownState CalibrationStore::readState(CameraModel model, int 
 }
 
 // All that is refused is refused here, so that load() and save() cannot be of two minds.
-CalibrationStore::KnownCalibration CalibrationStore::readCalibration(CameraModel model, int width,
-                                                                     int height) const {
+CalibrationStore::KnownCalibration CalibrationStore::readCalibration(
+    std::optional<CameraModel> model, int width, int height) const {
   const std::string& path = options_.calibration_file;
   if (path.empty()) return {};
   const FileContents contents = readFile(path);
@@ -127,8 +129,7 @@ CalibrationStore::Outcome CalibrationStore::save(const LearntState& state,
     text += (text.empty() ? "" : "; ") + (error.empty() ? path : error);
   };
   if (!options_.calibration_file.empty()) {
-    note(options_.calibration_file,
-         saveCalibration(loaded_model_.value_or(state.camera.model()), info));
+    note(options_.calibration_file, saveCalibration(judgedBy(state), info));
   }
   if (!options_.state_file.empty()) note(options_.state_file, saveState(state));
   if (written.empty() && failed.empty()) {
@@ -138,7 +139,7 @@ CalibrationStore::Outcome CalibrationStore::save(const LearntState& state,
   return {false, "not saved: " + failed + (written.empty() ? "" : "; saved to " + written)};
 }
 
-CalibrationStore::Outcome CalibrationStore::saveGiven(CameraModel model,
+CalibrationStore::Outcome CalibrationStore::saveGiven(std::optional<CameraModel> model,
                                                       const sensor_msgs::CameraInfo& info) {
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::string& path = options_.calibration_file;
@@ -150,7 +151,7 @@ CalibrationStore::Outcome CalibrationStore::saveGiven(CameraModel model,
   return {error.empty(), error.empty() ? "saved to " + path : "not saved: " + error};
 }
 
-std::string CalibrationStore::putStateAside(CameraModel model,
+std::string CalibrationStore::putStateAside(std::optional<CameraModel> model,
                                             const sensor_msgs::CameraInfo& info) {
   const std::string& path = options_.state_file;
   const KnownState known =
@@ -163,6 +164,11 @@ std::string CalibrationStore::putStateAside(CameraModel model,
   return "";
 }
 
+// What load() refused is not written over, and what it took is.
+std::optional<CameraModel> CalibrationStore::judgedBy(const LearntState& state) const {
+  return loaded_ ? loaded_model_ : state.camera.model();
+}
+
 void CalibrationStore::beginAnew() {
   const std::lock_guard<std::mutex> lock(mutex_);
   keep_previous_ = true;
@@ -170,8 +176,7 @@ void CalibrationStore::beginAnew() {
 
 std::string CalibrationStore::saveState(const LearntState& state) {
   const std::string& path = options_.state_file;
-  const KnownState known =
-      readState(state.camera.model(), state.camera.width(), state.camera.height());
+  const KnownState known = readState(judgedBy(state), state.camera.width(), state.camera.height());
   if (!known.refusal.empty()) return known.refusal;
   if (known.state && (keep_previous_ || state.epoch != known.state->epoch)) {
     // What was learnt of another lens, or before a reset, is not lost.
@@ -184,7 +189,7 @@ std::string CalibrationStore::saveState(const LearntState& state) {
   return "";
 }
 
-std::string CalibrationStore::saveCalibration(CameraModel model,
+std::string CalibrationStore::saveCalibration(std::optional<CameraModel> model,
                                               const sensor_msgs::CameraInfo& info) {
   const std::string& path = options_.calibration_file;
   const KnownCalibration known =

@@ -119,13 +119,15 @@ std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info) {
   return camera.valid() ? std::optional<Camera>(camera) : std::nullopt;
 }
 
-std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info, CameraModel model) {
+std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info,
+                               std::optional<CameraModel> model) {
   std::optional<Camera> camera = toCamera(info);
   if (camera || !isRational(info) || !(info.K[0] > 0.0 && info.K[4] > 0.0)) return camera;
   RationalPolynomial polynomial{info.K[0], info.K[4], info.K[2], info.K[5], {}};
   std::copy(info.D.begin(), info.D.end(), polynomial.coefficients.begin());
   const std::optional<CameraFit> fit =
-      fitCamera(polynomial, static_cast<int>(info.width), static_cast<int>(info.height), model);
+      fitCamera(polynomial, static_cast<int>(info.width), static_cast<int>(info.height),
+                model.value_or(CameraModel::kEquidistant));
   return fit && fit->camera.valid() ? std::optional<Camera>(fit->camera) : std::nullopt;
 }
 

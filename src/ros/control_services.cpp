@@ -130,9 +130,10 @@ bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
 
 Camera ControlServices::unlearnt(int width, int height) const {
   std::string problem;
-  const std::optional<Camera> given = startFromParameters(
-      options_.pipeline.model, options_.initial_intrinsics, width, height, &problem);
-  return given ? *given : Camera::defaultGuess(options_.pipeline.model, width, height);
+  const CameraModel model = options_.pipeline.firstModel();
+  const std::optional<Camera> given =
+      startFromParameters(model, options_.initial_intrinsics, width, height, &problem);
+  return given ? *given : Camera::defaultGuess(model, width, height);
 }
 
 bool ControlServices::resetTracking(Trigger::Request&, Trigger::Response& response) {

@@ -95,8 +95,8 @@ std::optional<SensorWindow> FactoryCalibration::windowFor(int width, int height)
   return fits ? window : std::nullopt;
 }
 
-std::optional<Camera> FactoryCalibration::startFor(CameraModel model, int width, int height,
-                                                   std::string* problem) const {
+std::optional<Camera> FactoryCalibration::startFor(std::optional<CameraModel> model, int width,
+                                                   int height, std::string* problem) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   FactoryComparison result;
   const std::optional<Camera> factory = cameraFor(model, width, height, &result);
@@ -105,16 +105,18 @@ std::optional<Camera> FactoryCalibration::startFor(CameraModel model, int width,
     *problem = "The factory calibration on " + topic_ + " cannot be right: " + implausible + ".";
     return std::nullopt;
   }
-  const std::optional<Camera> start = factory ? asStart(*factory, model) : std::nullopt;
-  *problem = factory && !start ? "the factory calibration on " + topic_ +
-                                     " cannot be expressed as " + toString(model)
-                               : result.sentence;
+  const std::optional<Camera> start =
+      factory ? asStart(*factory, model.value_or(factory->model())) : std::nullopt;
+  *problem = factory && !start
+                 ? "the factory calibration on " + topic_ + " cannot be expressed as " +
+                       toString(model.value_or(factory->model()))
+                 : result.sentence;
   return start;
 }
 
 // Says in `result` why there is none.
-std::optional<Camera> FactoryCalibration::cameraFor(CameraModel model, int width, int height,
-                                                    FactoryComparison* result) const {
+std::optional<Camera> FactoryCalibration::cameraFor(std::optional<CameraModel> model, int width,
+                                                    int height, FactoryComparison* result) const {
   if (!newest_) {
     *result = {FactoryVerdict::kNoMessage,
                "No factory calibration has come on " + topic_ +

@@ -27,21 +27,22 @@ bool areNumbers(const sensor_msgs::CameraInfo& info) {
 
 }  // namespace
 
-std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info, CameraModel model) {
+std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info,
+                                   std::optional<CameraModel> model) {
   const std::optional<Camera> camera = toCamera(info, model);
   if (!camera || !implausibility(*camera).empty()) return std::nullopt;
-  if (camera->model() == model) return CameraFit{*camera, {}};
-  if (camera->model() == CameraModel::kPinhole && model == CameraModel::kRadtan) {
-    Intrinsics parameters = Intrinsics::Zero(Camera::parameterCount(model));
+  if (!model || camera->model() == *model) return CameraFit{*camera, {}};
+  if (camera->model() == CameraModel::kPinhole && *model == CameraModel::kRadtan) {
+    Intrinsics parameters = Intrinsics::Zero(Camera::parameterCount(*model));
     parameters.head<4>() = camera->parameters();
-    return CameraFit{Camera(model, camera->width(), camera->height(), parameters), {}};
+    return CameraFit{Camera(*model, camera->width(), camera->height(), parameters), {}};
   }
-  const std::optional<CameraFit> fit = fitCamera(*camera, model);
+  const std::optional<CameraFit> fit = fitCamera(*camera, *model);
   // A start that cannot project the whole image would later pass for a change of the lens.
   return fit && std::isfinite(fit->error.max) ? fit : std::nullopt;
 }
 
-std::string whyNoStart(const sensor_msgs::CameraInfo& info, CameraModel model) {
+std::string whyNoStart(const sensor_msgs::CameraInfo& info, std::optional<CameraModel> model) {
   const std::size_t expected = coefficientCount(info.distortion_model);
   if (!areNumbers(info)) return "not all of its values are numbers";
   if (info.K[0] == 0.0) return "it is uncalibrated: its K is zero";
@@ -58,7 +59,8 @@ std::string whyNoStart(const sensor_msgs::CameraInfo& info, CameraModel model) {
   const std::optional<Camera> camera = toCamera(info, model);
   const std::string problem = camera ? implausibility(*camera) : "";
   if (!problem.empty()) return "it cannot be right: " + problem;
-  return "its values cannot be expressed in the model " + toString(model) +
+  if (!model) return "its values describe no lens over the whole image";
+  return "its values cannot be expressed in the model " + toString(*model) +
          " over the whole image; choose another ~model";
 }
 

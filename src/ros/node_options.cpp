@@ -143,9 +143,7 @@ NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node) {
   reading.problems = read.problems();
   reading.warnings = read.unknown();
   reading.known = read.known();
-  const auto model = cameraModelFromString(reading.options.model);
-  if (model) reading.options.pipeline.model = *model;
-  reading.options.pipeline.choose_model = reading.options.model == kAutoModel;
+  reading.options.pipeline.model = cameraModelFromString(reading.options.model);
   const auto score = scoreKindFromString(reading.options.score);
   if (score) reading.options.pipeline.score = *score;
   setRollingShutter(reading.options.rolling_shutter, &reading.options.pipeline);

@@ -59,7 +59,8 @@ std::optional<Camera> throughWindow(const Camera& camera, const SensorWindow& fr
   return result;
 }
 
-std::optional<Camera> toWindowedCamera(const sensor_msgs::CameraInfo& info, CameraModel model) {
+std::optional<Camera> toWindowedCamera(const sensor_msgs::CameraInfo& info,
+                                       std::optional<CameraModel> model) {
   const std::optional<Camera> camera = toCamera(info, model);
   const std::optional<SensorWindow> window = sensorWindow(info);
   if (!camera || !window) return std::nullopt;

@@ -40,8 +40,8 @@ StartDecision StartCamera::fromParameters(int width, int height) const {
   StartDecision decision;
   if (width != first_width_ || height != first_height_) return decision;
   std::string problem;
-  decision.camera = startFromParameters(options_->pipeline.model, options_->initial_intrinsics,
-                                        width, height, &problem);
+  decision.camera = startFromParameters(options_->pipeline.firstModel(),
+                                        options_->initial_intrinsics, width, height, &problem);
   if (!problem.empty()) {
     decision.sentence = "The parameter initial_intrinsics is not used: " + problem +
                         ". The calibration starts from a guess.";

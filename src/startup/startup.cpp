@@ -91,13 +91,25 @@ void Startup::reset(const Camera& initial) {
   best_guess_.reset();
 }
 
-void Startup::switchModel(const Camera& camera) {
-  initial_ = camera_ = trusted_ = camera;
+void Startup::switchModel(const Camera& camera, const std::vector<Segment>& solved) {
+  initial_ = camera;
   next_.reset();
+  goOnWith(camera);
+  for (const Segment& segment : solved) adoptSolved(segment);
+  judge();
+}
+
+// What is known of another model's parameters says nothing of these.
+void Startup::goOnWith(const Camera& camera) {
+  const bool other =
+      camera.model() != trusted_.model() || camera.estimatedCount() != trusted_.estimatedCount();
+  camera_ = camera;
+  if (!other) return;
+  trusted_ = camera;
   options_.growth.prior = vaguePrior(camera);
   information_ = covariance_ = IntrinsicsMatrix();
   whole_image_uncertainty_ = PixelError::unknown();
-  usable_ = false;
+  told_ = usable_ = false;
 }
 
 void Startup::resume(const Camera& camera, const IntrinsicsMatrix& information,
@@ -167,7 +179,7 @@ void Startup::beginBatch(const Segment& history) {
     options_.growth.prior = next_->prior;
     next_retry_ = std::numeric_limits<int>::max();  // others would be less than what is known
   } else if (!usable_) {
-    camera_ = initial_;
+    goOnWith(initial_);
   }
   segment_ = connectedToNewest(history);
   bootstrap(options_.growth, &segment_, &camera_);
@@ -224,16 +236,28 @@ void Startup::judge() {
     trusted_ = camera_;
     options_.growth.prior.mean = camera_.parameters();
   }
-  // The gated solution is the better one; tracks that did not fit stay with their old depth, since
-  // they may fit later.
-  std::map<std::int64_t, const Landmark*> solved;
-  for (const Landmark& landmark : gated.landmarks) solved[landmark.track_id] = &landmark;
-  segment_.keyframes = gated.keyframes;
-  for (Landmark& landmark : segment_.landmarks) {
-    const auto found = solved.find(landmark.track_id);
-    if (found != solved.end()) landmark = *found->second;
-  }
+  adoptSolved(gated);
   gated_ = std::move(gated);
+}
+
+// The gated solution is the better one; tracks that did not fit stay with their old depth, since
+// they may fit later.
+void Startup::adoptSolved(const Segment& solved) {
+  if (segment_.keyframes.empty() || solved.keyframes.size() != segment_.keyframes.size() ||
+      solved.keyframes.back().id != segment_.keyframes.back().id) {
+    return;
+  }
+  std::map<std::int64_t, const Landmark*> known;
+  for (const Landmark& landmark : solved.landmarks) known[landmark.track_id] = &landmark;
+  segment_.keyframes = solved.keyframes;
+  for (Landmark& landmark : segment_.landmarks) {
+    const auto found = known.find(landmark.track_id);
+    if (found != known.end()) landmark = *found->second;
+  }
+}
+
+bool Startup::comparable() const {
+  return usable_ && static_cast<int>(gated_.keyframes.size()) >= kFirstRetry;
 }
 
 void Startup::setInformation(const Marginal& marginal) {

@@ -17,6 +17,7 @@ constexpr int kRetryBudget = 24;        // keyframes grown from other guesses wi
 constexpr double kClearlyLess = 0.98;   // of a cost: another minimum, not the same one again
 constexpr double kHuber = 2.0;
 
+// Default guesses of the model of `initial`, but with other focal lengths.
 std::vector<Camera> otherGuesses(const Camera& initial) {
   std::vector<Camera> guesses;
   const double width = initial.width();
@@ -35,12 +36,24 @@ std::vector<Camera> otherGuesses(const Camera& initial) {
   return guesses;
 }
 
+std::vector<Camera> otherGuesses(const Camera& initial, bool choose_model) {
+  if (!choose_model) return otherGuesses(initial);
+  std::vector<Camera> guesses;
+  for (const CameraModel model : {CameraModel::kPinhole, CameraModel::kFov}) {
+    for (const Camera& guess :
+         otherGuesses(Camera::defaultGuess(model, initial.width(), initial.height()))) {
+      guesses.push_back(guess);
+    }
+  }
+  return guesses;
+}
+
 }  // namespace
 
 // Some at a time, and at last the best of them at a keyframe of its own: what each costs is
 // bounded.
 void Startup::tryOtherGuesses() {
-  const std::vector<Camera> guesses = otherGuesses(initial_);
+  const std::vector<Camera> guesses = otherGuesses(initial_, options_.choose_model);
   int grown = 0;
   for (; grown < kRetryBudget && next_guess_ < guesses.size(); ++next_guess_) {
     const Trial trial = tryGuess(guesses[next_guess_]);
@@ -74,7 +87,7 @@ Startup::Trial Startup::tryGuess(const Camera& guess) const {
 void Startup::adopt(const Trial& trial) {
   if (!trial.better) return;
   const Startup before = *this;
-  camera_ = trial.camera;
+  goOnWith(trial.camera);
   options_.growth.prior = vaguePrior(camera_);
   adoptPrefix(trial.segment, trial.landmark_index, &segment_);
   const int keyframes = static_cast<int>(segment_.keyframes.size());

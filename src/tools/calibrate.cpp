@@ -78,7 +78,7 @@ void watch(const Options& options, BatchComparer* batch, const ImageView** image
     const Camera first =
         options.initial_camera
             ? *options.initial_camera
-            : Camera::defaultGuess(options.model, (*image)->width, (*image)->height);
+            : Camera::defaultGuess(options.firstModel(), (*image)->width, (*image)->height);
     batch->add(message, first);
   };
   const auto record = callbacks->calibration;

@@ -33,8 +33,8 @@ po::options_description description(CalibrateBagArguments* arguments) {
     ("input", po::value(&source.path), "bag, folder of images or video file")
     ("topic", po::value(&source.topic), "image topic of the bag; needed if it has several")
     ("model", po::value<std::string>(),
-     "pinhole | fov | radtan (plumb_bob) | equidistant | auto (chosen by evidence, starting with that "
-     "of --initial or fov); default: that of --initial, else fov")
+     "pinhole | fov | radtan (plumb_bob) | equidistant | auto (the simplest that describes the lens, "
+     "starting with that of --initial or pinhole); default: auto")
     ("out", po::value(&arguments->out),
      "folder for the results; made if it is missing. Without it only a table is printed")
     ("initial", po::value<std::string>(),
@@ -101,14 +101,13 @@ void shutterFromText(const std::string& text, Options* options) {
 }
 
 /// The start values, converted if another model was asked for.
-void setInitial(const std::string& file, bool model_given, Options* options) {
+void setInitial(const std::string& file, Options* options) {
   Camera camera = readCalibrationFile(file);
-  if (!model_given) options->model = camera.model();
-  if (camera.model() != options->model) {
-    const std::optional<CameraFit> fit = fitCamera(camera, options->model);
+  if (options->model && camera.model() != *options->model) {
+    const std::optional<CameraFit> fit = fitCamera(camera, *options->model);
     if (!fit || !std::isfinite(fit->error.max)) {
       throw std::runtime_error("the start values of " + file + " cannot be converted to " +
-                               toString(options->model) + " over the whole image. Leave out " +
+                               toString(*options->model) + " over the whole image. Leave out " +
                                "--initial, or calibrate with --model " + toString(camera.model()));
     }
     camera = fit->camera;
@@ -154,10 +153,8 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
   if (!read) return std::nullopt;
   const po::variables_map& given = *read;
   checkSource(arguments.source);
-  arguments.options.choose_model =
-      given.count("model") > 0 && given["model"].as<std::string>() == "auto";
-  const bool model_given = given.count("model") > 0 && !arguments.options.choose_model;
-  if (model_given) arguments.options.model = modelFromName(given["model"].as<std::string>());
+  const std::string model = given.count("model") > 0 ? given["model"].as<std::string>() : "auto";
+  if (model != "auto") arguments.options.model = modelFromName(model);
   if (given.count("score") > 0) {
     arguments.options.score = scoreFromName(given["score"].as<std::string>());
   }
@@ -165,7 +162,7 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
     shutterFromText(given["rolling-shutter"].as<std::string>(), &arguments.options);
   }
   if (given.count("initial") > 0) {
-    setInitial(given["initial"].as<std::string>(), model_given, &arguments.options);
+    setInitial(given["initial"].as<std::string>(), &arguments.options);
   }
   readComparisons(given, &arguments);
   checkOptions(arguments.options);

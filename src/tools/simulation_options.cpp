@@ -14,7 +14,7 @@ Camera readCamera(const ros::NodeHandle& node) {
   const std::optional<CameraModel> model = cameraModelFromString(name);
   if (!model) {
     throw std::runtime_error("model is '" + name +
-                             "'; it must be pinhole, fov, radtan or equidistant");
+                             "'; it must be pinhole, fov, radtan (or plumb_bob) or equidistant");
   }
   const int width = node.param("width", 640);
   const int height = node.param("height", 480);

@@ -74,7 +74,9 @@ void runUntil(long last) {
     is_keyframe = frame.is_keyframe;
     keyframes += is_keyframe ? 1 : 0;
   };
-  SelfCalibrator calibrator(Options(), SelfCalibrator::Mode::kInline, callbacks);
+  Options options;
+  options.model = CameraModel::kFov;
+  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
   bool first = true;
   long next = 100;
   std::printf("{\"growth\": [");

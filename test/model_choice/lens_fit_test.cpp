@@ -4,10 +4,8 @@
 
 #include <string>
 
-#include "camera/sample_cameras.h"
-#include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "queue/sample_queues.h"
+#include "model_choice/model_queues.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -19,21 +17,10 @@ const Camera kAlmostPinhole =
 const Camera kRadtan = camera640(CameraModel::kRadtan, {400, 404, 315, 243, -0.25, 0.05, 0, 0});
 const Camera kWide = camera640(CameraModel::kFov, {311.2, 309.8, 327.4, 233.1, 0.93});
 
-Camera as(CameraModel model, const Camera& camera) {
-  if (model == camera.model()) return camera;
-  Camera fitted = fitCamera(camera, model)->camera;
-  fitted.setEstimateK3(false);
-  return fitted;
-}
-
-SegmentQueue queueOf(const Camera& truth, CameraModel model, int count) {
-  return solvedQueue(separateSegments(truth, count), as(model, truth));
-}
-
 LensFitReport fitOf(const SegmentQueue& queue) {
   EXPECT_TRUE(queue.solution().usable);
   LensFit fit{LensFitOptions()};
-  EXPECT_TRUE(fit.consider(40, true, queue.candidates(), queue.solution(), {}, 1));
+  EXPECT_TRUE(fit.consider(40, true, queue.candidates(), queue.solution(), {}, 1).has_value());
   EXPECT_TRUE(fit.report().compared);
   return fit.report();
 }
@@ -81,7 +68,7 @@ TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {
   const SegmentQueue queue = queueOf(kPinhole, CameraModel::kPinhole, 3);
   const SegmentQueue longer = queueOf(kPinhole, CameraModel::kPinhole, 4);
   const auto consider = [](LensFit* fit, int keyframes, bool due, const SegmentQueue& seen) {
-    return fit->consider(keyframes, due, seen.candidates(), seen.solution(), {}, 1);
+    return fit->consider(keyframes, due, seen.candidates(), seen.solution(), {}, 1).has_value();
   };
   LensFit fit{LensFitOptions()};
   EXPECT_EQ(fit.report().sentence(), "");

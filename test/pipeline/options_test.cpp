@@ -49,7 +49,10 @@ TEST(Options, EachViolationIsNamed) {
   expectNamed("rolling_shutter", [](Options* o) { o->readout_s = 5.0; });
   expectNamed("fix_intrinsics", [](Options* o) { o->fix_intrinsics = true; });  // which?
   const Camera pinhole = camera640(CameraModel::kPinhole, {300, 300, 320, 240});
-  expectNamed("initial intrinsics", [&](Options* o) { o->initial_camera = pinhole; });  // not a fov
+  expectNamed("initial intrinsics", [&](Options* o) {
+    o->model = CameraModel::kFov;
+    o->initial_camera = pinhole;
+  });
   expectNamed("initial intrinsics", [](Options* o) {
     o->initial_camera = Camera(CameraModel::kFov, 0, 0, intrinsics({300, 300, 320, 240, 1}));
   });

@@ -169,11 +169,9 @@ TEST(Restore, OfAnotherSizeOrModelIsRefusedInWords) {
 TEST(Restore, WhereTheModelIsChosenAStateOfAnyModelIsConfirmed) {
   for (const Camera& truth : ordinaryCameras()) {
     const auto state = learn(truth);
-    Options options;
-    options.choose_model = true;
     TrackRunOptions later;
     later.seed = 13;
-    TrackRun run(truth, options, later);
+    TrackRun run(truth, Options(), later);
     run.calibrator().restore(state);
     run.seek(kLaterFrames);
     for (int i = 0; i < 600 && run.record.count(EventType::kHandover) == 0; ++i) run.step();

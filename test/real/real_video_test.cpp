@@ -116,8 +116,7 @@ Outcome calibrate(const std::filesystem::path& bag, const Sequence& sequence) {
   ImageSource source = openImages(source_options);
   Options options;
   const std::optional<CameraModel> model = cameraModelFromString(sequence.model);
-  options.choose_model = !model;
-  if (model) options.model = *model;
+  options.model = model;
   SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, {});
   int images = 0;
   const auto begin = std::chrono::steady_clock::now();

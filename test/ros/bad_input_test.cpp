@@ -125,7 +125,7 @@ TEST_F(BadInput, DamagedCompressedImagesAreNamed) {
 std::vector<std::string> valuesOf(const NodeOptions& options) {
   const Options& pipeline = options.pipeline;
   std::vector<std::string> values = {options.model,
-                                     toString(pipeline.model),
+                                     pipeline.model ? toString(*pipeline.model) : "",
                                      options.image_transport,
                                      options.world_frame,
                                      options.child_frame,

@@ -45,7 +45,7 @@ TEST(NodeOptions, ListsAllViolationsAtOnce) {
 
 TEST(NodeOptions, AnOpenModelHasNoStartValues) {
   NodeOptions options;
-  options.model = "auto";
+  EXPECT_EQ(options.model, "auto");
   EXPECT_TRUE(options.problems().empty());
   options.initial_intrinsics.assign(5, 1.0);
   EXPECT_TRUE(mentions(options.problems(), "initial_intrinsics"));
@@ -53,7 +53,7 @@ TEST(NodeOptions, AnOpenModelHasNoStartValues) {
 
 TEST(NodeOptions, StartValuesMustMatchTheModel) {
   NodeOptions options;
-  options.model = "radtan";
+  options.model = "plumb_bob";  // radtan
   options.initial_intrinsics.assign(8, 1.0);
   EXPECT_TRUE(options.problems().empty());
   options.initial_intrinsics.assign(9, 1.0);
@@ -64,6 +64,7 @@ TEST(NodeOptions, StartValuesMustMatchTheModel) {
 
 TEST(NodeOptions, StartValuesMustBeIntrinsics) {
   NodeOptions options;
+  options.model = "fov";
   options.initial_intrinsics = {300.0, 300.0, 320.0, 240.0, 0.9};
   EXPECT_TRUE(options.problems().empty());
   options.initial_intrinsics[0] = -300.0;

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/image_field.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/model_choice/lens_trial.h"
 #include "camera_self_calibration/queue/queue_solution.h"
 
 namespace camera_self_calibration {
@@ -44,18 +46,20 @@ struct LensFitOptions {
   double significance = 1e-3;
 };
 
-/// Holds the model in use against richer lenses, which are published nowhere: radtan with k3 and
-/// equidistant. Each starts from the lens in use and is fitted to the queue's segments, for a
-/// likelihood ratio. Compares at geometric intervals of keyframes (at most 100), and only when the
-/// queue has changed, so that the effort per keyframe stays bounded.
+/// Holds the model in use against richer lenses (compareWithRicher), which are published nowhere,
+/// on the queue's segments. Compares at geometric intervals of keyframes (at most 100), and only
+/// when the queue has changed, so that the effort per keyframe stays bounded.
 class LensFit {
  public:
   explicit LensFit(const LensFitOptions& options) : options_(options) {}
 
   /// Compares if it is time to, or if `verdict_due` (the calibration is about to be called good)
-  /// and no misfit is known. `solution` is that of `queue` as it is. True if it compared.
-  bool consider(std::int64_t keyframes, bool verdict_due, const std::vector<Candidate>& queue,
-                const QueueSolution& solution, const SeenImage& image, int threads);
+  /// and no misfit is known. `solution` is that of `queue` as it is. The comparison, if there was
+  /// one.
+  std::optional<LensComparison> consider(std::int64_t keyframes, bool verdict_due,
+                                         const std::vector<Candidate>& queue,
+                                         const QueueSolution& solution, const SeenImage& image,
+                                         int threads);
 
   const LensFitReport& report() const { return report_; }
 

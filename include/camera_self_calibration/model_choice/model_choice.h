@@ -2,73 +2,70 @@
 
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
-#include "camera_self_calibration/map/segment.h"
+#include "camera_self_calibration/camera/image_field.h"
+#include "camera_self_calibration/model_choice/lens_trial.h"
 
 namespace camera_self_calibration {
 
 /// What speaks against a model, compared with the one in use.
 struct ModelEvidence {
-  std::string model;  ///< "pinhole", "fov", "radtan", "radtan with k3", "equidistant".
+  std::string model;  ///< LensTrial::name
   bool chosen = false;
-  /// By how much the model in use predicts held-out segments better: difference of their costs over
-  /// the design effect [nats]; negative where this model is ahead; infinite where it fits nothing.
+  /// By how much the model in use explains the observations better: difference of their costs over
+  /// LensKnowledge::variance [nats]; negative where this model is ahead; infinite where it fits
+  /// nothing.
   double behind = 0.0;
 };
 
 struct ModelChoiceOptions {
-  int min_segments = 2;       ///< Fewer can leave none out.
-  int max_segments = 10;      ///< The newest that are kept before the queue holds enough.
-  int segment_keyframes = 8;  ///< At least, of these.
-  /// A model with as many parameters as the present one, or more, must be ahead by this [nats].
-  /// With every change of the model it grows by as much again: no switching back and forth.
-  double decisive = 10.0;
-  /// A model with fewer parameters takes over if it is behind by no more than this [nats].
-  double negligible = 3.0;
+  /// Probability by chance of so much a worse fit, below which a model is refuted: a richer one may
+  /// take over then. One that is too rich costs little and says what it costs, one that is too
+  /// simple is wrong and does not: this is less strict than LensFitOptions::significance.
+  double refuted = 0.01;
+  /// The same where there is one stretch of video only, which cannot show how far stretches
+  /// disagree.
+  double refuted_alone = 1e-4;
+  /// Above which nothing speaks against a model: a simpler one takes over then, if it is expected
+  /// to be nearer to the truth. Between both, what is in use stays.
+  double plausible = 0.1;
+  /// A simpler model takes over in any case where its expected squared error is less than this
+  /// share of that of the one in use.
+  double clearly_less = 0.5;
 };
 
-/// Which projection model the lens follows, by evidence: each model is fitted to several segments,
-/// and its intrinsics, learnt from all but one, have to predict that one (leaveOneOut). The
-/// simplest model that is not clearly worse is chosen. Compares at geometric intervals of keyframes
-/// (at most 100), so that the effort per keyframe stays bounded.
+/// Which projection model the lens follows: the simplest that the observations do not refute
+/// (likelihood ratio), as soon as it is known well enough to be nearer to the truth than the one in
+/// use. A simpler one takes over again where nothing speaks against it, or where the one in use has
+/// parameters that the motion does not tell; one that stretches of video have refuted only then.
 class ModelChoice {
  public:
   explicit ModelChoice(const ModelChoiceOptions& options) : options_(options) {}
 
-  /// The newest keyframes; kept for comparisons if they overlap none kept before.
-  void observe(const Segment& candidate);
+  /// Whether there are enough keyframes more than at the last comparison that asked (a quarter, at
+  /// least 5, at most 100): the effort per keyframe stays bounded.
+  bool isDue(std::int64_t keyframes);
 
-  /// Frees what is kept of a rolling shutter of this time between rows [s].
-  void setRowTime(double row_time_s, const Camera& camera);
+  /// The lens to go on with, if it should be another than the one in use. Fits the models that the
+  /// comparison left open, as few as need be.
+  std::optional<LensTrial> choose(const LensComparison& comparison, const ImageField& field,
+                                  int threads);
 
-  /// Compares if it is time to: over `queue` (as observed, not gated) or, as long as that holds
-  /// fewer than those kept by observe, over these. The camera to go on with, if it should be of
-  /// another model than `present`.
-  std::optional<Camera> consider(std::int64_t keyframes, const std::vector<Segment>& queue,
-                                 const Camera& present, int threads);
-
-  /// Whether the model in use has won a comparison.
-  bool settled() const { return settled_; }
-
-  /// The newest comparison, one entry a model; empty before the first.
+  /// The newest comparison, one entry a model that was fitted; empty before the first.
   const std::vector<ModelEvidence>& evidence() const { return evidence_; }
 
-  /// In words: which model, and by how much it is ahead of the next best.
+  /// In words: which model, and how the next best compares. Empty before the first comparison.
   std::string sentence() const;
 
  private:
-  std::optional<Camera> compare(const std::vector<Segment>& segments, const Camera& present,
-                                int threads);
-
   ModelChoiceOptions options_;
-  std::vector<Segment> kept_;
   std::vector<ModelEvidence> evidence_;
-  std::int64_t next_ = 0;  // count of keyframes at which to compare
-  int switches_ = 0;
-  bool settled_ = false;
+  std::set<std::string> refuted_;  // names of models that were left for a richer one
+  std::int64_t next_ = 0;          // count of keyframes from which the next comparison is due
 };
 
 }  // namespace camera_self_calibration

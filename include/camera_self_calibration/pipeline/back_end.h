@@ -49,8 +49,6 @@ class BackEnd {
 
  private:
   void see(const KeyframeMessage& message);
-  void considerModel(const KeyframeMessage& message);
-  void switchModel(const Camera& camera, const std::vector<Segment>& observed);
   void runStartup(const Segment& history);
   void followTheBetter();
   CandidateOutcome considerCandidate(const KeyframeMessage& message);
@@ -63,9 +61,14 @@ class BackEnd {
   void adoptRowTime();
   void considerHandover();
   void offerHalves();
-  void considerLensFit();
   void judge();
   BackEndOutput finish();
+
+  // In lens_model.cpp.
+  void considerStartupModel();
+  void considerLensFit();
+  void chooseModel(const LensComparison& comparison);
+  void switchModel(const LensTrial& lens);
 
   // In beginnings.cpp.
   CandidateOutcome beginLens(const ChangeVerdict& verdict);

@@ -54,6 +54,7 @@ struct BackEndState {
   /// Of `known`, with the misfit of the model [px].
   PixelError uncertainty() const { return known.noise.inQuadrature(lens_fit.report().misfit); }
 
+  bool chooses_model;  ///< Else it was given.
   Phase phase = Phase::kNothingKnown;
   KnownLens known;
   Startup startup;

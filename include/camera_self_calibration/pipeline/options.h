@@ -14,9 +14,8 @@ namespace camera_self_calibration {
 
 /// Every option of the pipeline, one struct for the nodelet, the offline tool and tests.
 struct Options {
-  CameraModel model = CameraModel::kFov;
-  /// Only start with `model`, and go on with the model that predicts the queue's observations best.
-  bool choose_model = false;
+  /// None: the simplest that describes the lens, starting with that of initial_camera, or pinhole.
+  std::optional<CameraModel> model;
   /// Start values of the intrinsics; none: Camera::defaultGuess of the first image's size.
   std::optional<Camera> initial_camera;
   /// Takes initial_camera as exact: poses only, nothing is calibrated.
@@ -49,6 +48,9 @@ struct Options {
   int relocalization_keyframes = 100;
   int solver_threads = 1;     ///< For the segments of a joint solve; result independent.
   int max_queued_images = 2;  ///< Live: images waiting before the oldest is dropped.
+
+  /// Of the first estimate.
+  CameraModel firstModel() const;
 
   /// rms uncertainty that counts as converged for an image of this width [px].
   double convergedRms(int width) const;

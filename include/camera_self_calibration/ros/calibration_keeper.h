@@ -38,7 +38,7 @@ class CalibrationKeeper {
 
  private:
   ros::NodeHandle node_;
-  const CameraModel model_;
+  const std::optional<CameraModel> model_;
   int width_ = 0;
   int height_ = 0;
   CalibrationStore::Loaded loaded_;

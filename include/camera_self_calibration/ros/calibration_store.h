@@ -18,7 +18,6 @@ struct StoreOptions {
   std::string camera_name = "camera";
   std::string calibration_file;  ///< YAML, as camera_info_manager keeps it.
   std::string state_file;        ///< Everything that was learnt (LearntState).
-  bool any_model = false;        ///< A state of another camera model is taken too.
 };
 
 /// The calibration on the disk. Writes atomically and reads back. What load() refuses (a file that
@@ -34,13 +33,13 @@ class CalibrationStore {
 
   struct Loaded {
     std::shared_ptr<const LearntState> state;  ///< Fits model and image size; or null.
-    std::optional<Camera> camera;              ///< As a start; of the model asked for.
+    std::optional<Camera> camera;              ///< As a start; of the model asked for, if any.
     std::vector<std::string> notes;            ///< What was taken from where.
     std::vector<std::string> problems;         ///< What was refused, and why.
   };
 
-  /// What there is for a camera of this model and image size.
-  Loaded load(CameraModel model, int width, int height);
+  /// What there is for a camera of this model (none: of any) and image size.
+  Loaded load(std::optional<CameraModel> model, int width, int height);
 
   struct Outcome {
     bool success = false;
@@ -53,7 +52,7 @@ class CalibrationStore {
 
   /// Keeps a calibration that was given from outside in the calibration file, as it is. What the
   /// state file held goes to FILE.previous, since the next start must not prefer it.
-  Outcome saveGiven(CameraModel model, const sensor_msgs::CameraInfo& info);
+  Outcome saveGiven(std::optional<CameraModel> model, const sensor_msgs::CameraInfo& info);
 
   /// What is learnt from now on does not rest on what was saved.
   void beginAnew();
@@ -69,16 +68,19 @@ class CalibrationStore {
     std::string refusal;
   };
 
-  KnownState readState(CameraModel model, int width, int height) const;
-  KnownCalibration readCalibration(CameraModel model, int width, int height) const;
+  KnownState readState(std::optional<CameraModel> model, int width, int height) const;
+  KnownCalibration readCalibration(std::optional<CameraModel> model, int width, int height) const;
   std::string saveState(const LearntState& state);
-  std::string putStateAside(CameraModel model, const sensor_msgs::CameraInfo& info);
-  std::string saveCalibration(CameraModel model, const sensor_msgs::CameraInfo& info);
+  std::string putStateAside(std::optional<CameraModel> model, const sensor_msgs::CameraInfo& info);
+  std::string saveCalibration(std::optional<CameraModel> model,
+                              const sensor_msgs::CameraInfo& info);
+  std::optional<CameraModel> judgedBy(const LearntState& state) const;
 
   const StoreOptions options_;
   std::mutex mutex_;
   bool keep_previous_ = false;
-  std::optional<CameraModel> loaded_model_;  // That the files were judged by.
+  bool loaded_ = false;
+  std::optional<CameraModel> loaded_model_;  // That the files were judged by; none: any.
 };
 
 }  // namespace camera_self_calibration

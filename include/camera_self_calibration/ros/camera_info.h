@@ -42,7 +42,9 @@ sensor_msgs::CameraInfo uncalibratedCameraInfo(int width, int height);
 /// uncalibrated message. "rational_polynomial" gives radtan if it is one (k4 = k5 = k6 = 0).
 std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info);
 
-/// The same, and for a "rational_polynomial" that is no radtan the camera of `model` that fits it.
-std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info, CameraModel model);
+/// The same, and for a "rational_polynomial" that is no radtan the camera of `model` that fits it;
+/// of equidistant where none is given.
+std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info,
+                               std::optional<CameraModel> model);
 
 }  // namespace camera_self_calibration

@@ -46,7 +46,7 @@ class FactoryCalibration {
 
   /// The factory's camera for images of this size, in the model to estimate; nothing with a reason
   /// in `problem` (never null).
-  std::optional<Camera> startFor(CameraModel model, int width, int height,
+  std::optional<Camera> startFor(std::optional<CameraModel> model, int width, int height,
                                  std::string* problem) const;
 
   /// What the newest message says of images of this size; nothing if it is about another size.
@@ -58,7 +58,7 @@ class FactoryCalibration {
   FactoryComparison comparison() const;
 
  private:
-  std::optional<Camera> cameraFor(CameraModel model, int width, int height,
+  std::optional<Camera> cameraFor(std::optional<CameraModel> model, int width, int height,
                                   FactoryComparison* result) const;
   void compare();
 

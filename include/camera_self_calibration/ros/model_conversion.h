@@ -12,11 +12,12 @@ namespace camera_self_calibration {
 /// The camera of `model` that a CameraInfo describes, exactly if the message's own model is that
 /// one or a special case of it, else fitted. Nothing where the message is uncalibrated, of an
 /// unknown distortion model, implausible (implausibility()), or cannot be fitted over the whole
-/// image.
-std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info, CameraModel model);
+/// image. Without a model: in the message's own.
+std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info,
+                                   std::optional<CameraModel> model);
 
 /// Why startFrom() gives nothing, as the end of a sentence that begins with what holds the message:
 /// "it is uncalibrated: its K is zero".
-std::string whyNoStart(const sensor_msgs::CameraInfo& info, CameraModel model);
+std::string whyNoStart(const sensor_msgs::CameraInfo& info, std::optional<CameraModel> model);
 
 }  // namespace camera_self_calibration

@@ -12,7 +12,7 @@ namespace camera_self_calibration {
 /// The parameters of the node; config/parameters.yaml explains each.
 struct NodeOptions {
   Options pipeline;
-  std::string model = "fov";      ///< Name of pipeline.model, or "auto": pipeline.choose_model.
+  std::string model = "auto";     ///< Name of pipeline.model, or "auto": none is given.
   std::string score = "entropy";  ///< Name of pipeline.score.
   /// See setRollingShutter: pipeline.estimate_readout and readout_s.
   std::string rolling_shutter = "auto";

@@ -40,6 +40,7 @@ std::optional<Camera> throughWindow(const Camera& camera, const SensorWindow& fr
 /// The camera that a CameraInfo describes (K, D and its width and height hold for the full
 /// resolution), for images of its binning and region of interest. Nothing where
 /// toCamera(info, model) gives nothing or the region is impossible.
-std::optional<Camera> toWindowedCamera(const sensor_msgs::CameraInfo& info, CameraModel model);
+std::optional<Camera> toWindowedCamera(const sensor_msgs::CameraInfo& info,
+                                       std::optional<CameraModel> model);
 
 }  // namespace camera_self_calibration

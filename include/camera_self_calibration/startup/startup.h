@@ -21,6 +21,9 @@ struct StartupOptions {
   double retry_cost = 1.3;       ///< Squared residual scale above which other guesses are tried.
   /// Likelihood ratio (chi-square, 1 degree of freedom) above which radtan's k3 is estimated too.
   double k3_likelihood_ratio = 40.0;
+  /// The model of the first guess is only where to begin: the other guesses are of the simplest
+  /// models, pinhole and fov, which between them come near enough to any lens to start from.
+  bool choose_model = false;
   /// rms uncertainty over image width above which an estimate tells nothing of the lens.
   double useless_uncertainty_share = 0.03;
 };
@@ -49,9 +52,9 @@ class Startup {
   /// sigmas) keeps to it, instead of going on from the intrinsics of the last one.
   void beginNextFrom(const Camera& camera, const IntrinsicsMatrix& covariance);
 
-  /// Goes on from the present poses and depths with these intrinsics, of another model.
-  /// Not usable until the next keyframe.
-  void switchModel(const Camera& camera);
+  /// Goes on with these intrinsics, of another model, and with the poses and depths that belong to
+  /// them in `solved`, as far as they are the batch's.
+  void switchModel(const Camera& camera, const std::vector<Segment>& solved);
 
   /// Starts again from a solution, such as that after a change of the lens: the next keyframes are
   /// added to it. What its keyframes from before the change tell of the new lens is only as good as
@@ -80,6 +83,10 @@ class Startup {
   /// Solved; poses and depths of the chosen keyframes.
   const Segment& segment() const { return segment_; }
   bool usable() const { return usable_; }
+  /// As segment(), without the tracks that do not fit, with the sigmas that they count with.
+  const Segment& solved() const { return gated_; }
+  /// Whether solved() is there and long enough to tell models apart.
+  bool comparable() const;
   /// Whether it is usable and its uncertainty not useless: before, the motion told nothing.
   bool isInformative() const;
   /// Scaled by the residuals where they exceed the tracker's sigma, and less what is not known of
@@ -118,6 +125,8 @@ class Startup {
   void tryOtherGuesses();
   Trial tryGuess(const Camera& guess) const;
   void adopt(const Trial& trial);
+  void adoptSolved(const Segment& solved);
+  void goOnWith(const Camera& camera);
   void judge();
   void setInformation(const Marginal& marginal);
   void setInformation(const IntrinsicsMatrix& information);

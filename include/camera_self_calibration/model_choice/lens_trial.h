@@ -1,0 +1,74 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/map/segment.h"
+#include "camera_self_calibration/queue/candidate_window.h"
+#include "camera_self_calibration/queue/scatter.h"
+
+namespace camera_self_calibration {
+
+/// What lenses are compared on: stretches of video that share nothing but the lens.
+struct LensObservations {
+  std::vector<Segment> segments;     ///< Solved and gated; at least one.
+  std::vector<double> sigma_scales;  ///< By which the sigmas of each are multiplied.
+  Scatter scatter;                   ///< How far they disagree under the lens in use.
+};
+
+/// The queue's segments as they are. Those that the gate left serve as well as those observed,
+/// measured on real video: what it removes adds more outliers than evidence.
+LensObservations observationsOf(const std::vector<Candidate>& queue, const Scatter& scatter);
+
+/// One lens, with the poses and depths under which it fits the observations best.
+struct LensTrial {
+  bool usable = false;
+  Camera camera;
+  std::vector<Segment> segments;
+  double cost = 0.0;  ///< Robust [nats of a Gaussian]; infinite where it is not usable.
+
+  /// "pinhole", "fov", "radtan", "radtan with k3", "equidistant".
+  std::string name() const;
+};
+
+/// Fits lens, poses and depths, starting from `start` and the segments' states.
+LensTrial tryLens(const LensObservations& observations, const Camera& start, int threads);
+
+/// How well a fitted lens is known.
+struct LensKnowledge {
+  /// Factor by which differences of costs are too large, or, below 1, too small: what the residuals
+  /// under this lens make of the sigmas, correlation along tracks (Marginal::designEffect), and how
+  /// far the stretches disagree. Under a lens that is wrong they disagree for that alone, so that
+  /// the smaller of what this one and the one in use make of it counts.
+  double variance = 1.0;
+  int freedom = 0;              ///< Degrees of freedom of the disagreement; 0: there is none.
+  IntrinsicsMatrix covariance;  ///< Honest in the same way; empty where it is singular.
+};
+LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial& trial,
+                          int threads);
+
+/// A lens of a model as much like this one as it can be, as a start. `with_k3`: of radtan. Nothing
+/// where the model cannot describe it over the image.
+std::optional<Camera> likewise(const Camera& camera, CameraModel model, bool with_k3);
+
+/// Probability that the lead of `ahead` is chance, and the lens that is behind is right: twice the
+/// lead in log-likelihood over the variance of `known`, which is of `ahead`, is chi-square
+/// distributed then, or, as the disagreement is estimated, follows an F test. Its degrees of
+/// freedom are the parameters that `ahead` has more where it contains the other, all of its
+/// parameters, to be on the safe side, where it only comes close to it. 1 where it is not ahead.
+double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensKnowledge& known);
+
+/// The lens in use beside richer ones, radtan with k3 and equidistant.
+struct LensComparison {
+  LensObservations observations;
+  LensTrial present;
+  std::vector<LensTrial> richer;  ///< Those that promised enough to be fitted.
+};
+
+/// Each richer lens starts from the present one. What it can gain is judged to first order, from
+/// one linearisation; only one that may be ahead by more than chance is fitted.
+LensComparison compareWithRicher(LensObservations observations, const Camera& present, int threads);
+
+}  // namespace camera_self_calibration

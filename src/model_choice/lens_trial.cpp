@@ -1,0 +1,193 @@
+#include "camera_self_calibration/model_choice/lens_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "camera_self_calibration/base/distributions.h"
+#include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/robust.h"
+#include "camera_self_calibration/estimation/robust_cost.h"
+#include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/queue/agreement.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Another lens is near its optimum after some ten steps. A third of a sigma that is left to go
+// changes the likelihood ratio by 0.1.
+constexpr int kMaxIterations = 15;
+constexpr double kSettled = 0.3;
+// A fit is worth while where a lead that chance gives in 1 of 100 comparisons may come of it:
+// promised to first order, the likelihood ratio may turn out twice as large.
+constexpr double kByChance = 0.01;
+constexpr double kWorthAFit = 0.5;
+// Of the sigmas, that the residuals under another lens can make of them.
+constexpr double kLeastShare = 1e-3;
+// The derivative by fov's w vanishes at w = 0, where an estimate would never leave.
+constexpr double kLeastFovW = 0.2;
+
+Problem problemOf(const LensObservations& observations, std::vector<Segment>* segments,
+                  Camera* camera) {
+  Problem problem;
+  problem.camera = camera;
+  for (std::size_t i = 0; i < segments->size(); ++i) {
+    problem.blocks.push_back(freeBlock(&(*segments)[i], *camera));
+    problem.blocks.back().sigma_scale = observations.sigma_scales[i];
+  }
+  return problem;
+}
+
+double costOf(const Problem& problem) {
+  double sum = 0.0;
+  for (const SegmentBlock& block : problem.blocks) {
+    sum += robustCost(block, *problem.camera, SolverOptions().huber);
+  }
+  return sum;
+}
+
+// equidistant follows fov to 0.05 px at worst, which no observation tells from containing it.
+int degreesOfFreedom(const Camera& behind, const Camera& ahead) {
+  const bool contained =
+      behind.model() == CameraModel::kPinhole || behind.model() == ahead.model() ||
+      (behind.model() == CameraModel::kFov && ahead.model() == CameraModel::kEquidistant);
+  return std::max(1, ahead.estimatedCount() - (contained ? behind.estimatedCount() : 0));
+}
+
+// Twice the log-likelihood that `other` can gain on a lens of this cost, to first order.
+double promisedRatio(const LensObservations& observations, double present_cost, const Camera& other,
+                     int threads) {
+  std::vector<Segment> segments = observations.segments;
+  Camera camera = other;
+  const Problem problem = problemOf(observations, &segments, &camera);
+  const Marginal marginal = marginalize(problem, SolverOptions().huber, threads);
+  const double step = marginal.remainingStep();
+  const double ratio = 2.0 * (present_cost - marginal.cost) + step * step;
+  return ratio / std::max(1.0, marginal.designEffect());
+}
+
+// How far the stretches are from their joint lens, to first order.
+Scatter scatterOf(const Marginal& marginal) {
+  Scatter scatter;
+  for (const BlockShare& share : marginal.shares) {
+    scatter.chi_square += squaredDistance(share.gradient, share.information);
+  }
+  scatter.freedom = static_cast<int>((static_cast<Eigen::Index>(marginal.shares.size()) - 1) *
+                                     marginal.gradient.size());
+  return scatter.freedom > 0 ? scatter : Scatter();
+}
+
+}  // namespace
+
+LensObservations observationsOf(const std::vector<Candidate>& queue, const Scatter& scatter) {
+  LensObservations observations;
+  for (const Candidate& candidate : queue) {
+    observations.segments.push_back(candidate.segment);
+    observations.sigma_scales.push_back(candidate.sigma_scale);
+  }
+  observations.scatter = scatter;
+  return observations;
+}
+
+std::string LensTrial::name() const {
+  const bool with_k3 = camera.estimatedCount() == kMaxIntrinsics;
+  return toString(camera.model()) + (with_k3 ? " with k3" : "");
+}
+
+LensTrial tryLens(const LensObservations& observations, const Camera& start, int threads) {
+  LensTrial trial;
+  trial.camera = start;
+  trial.segments = observations.segments;
+  const Problem problem = problemOf(observations, &trial.segments, &trial.camera);
+  SolverOptions options;
+  options.max_iterations = kMaxIterations;
+  options.step_tolerance = 1e-2;
+  options.cost_tolerance = 1e-4;
+  options.intrinsics_tolerance = kSettled;
+  options.threads = threads;
+  trial.usable = solve(problem, options).usable && trial.camera.valid();
+  trial.cost = trial.usable ? costOf(problem) : std::numeric_limits<double>::infinity();
+  return trial;
+}
+
+LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial& trial,
+                          int threads) {
+  std::vector<Segment> segments = trial.segments;
+  Camera camera = trial.camera;
+  Problem problem = problemOf(observations, &segments, &camera);
+  Marginal marginal = marginalize(problem, SolverOptions().huber, threads);
+  // The sigmas cover what another lens, under which the tracks were gated, left unexplained.
+  const double share = std::clamp(marginal.residualScale(), kLeastShare, 1.0);
+  if (share < 1.0) {
+    for (SegmentBlock& block : problem.blocks) block.sigma_scale *= share;
+    marginal = marginalize(problem, SolverOptions().huber, threads);
+  }
+  const double scale = share * marginal.sigmaScale();
+  const Scatter own = scatterOf(marginal);
+  const Scatter& scatter =
+      own.inflation() < observations.scatter.inflation() ? own : observations.scatter;
+  const double disagreement = scatter.inflation() * scatter.inflation();
+  LensKnowledge knowledge;
+  knowledge.freedom = scatter.inflationFreedom();
+  knowledge.variance = disagreement * scale * scale;
+  if (const auto covariance = marginal.robustCovariance()) {
+    knowledge.covariance = disagreement * *covariance;
+  }
+  return knowledge;
+}
+
+std::optional<Camera> likewise(const Camera& camera, CameraModel model, bool with_k3) {
+  const bool k3 = model == CameraModel::kRadtan && with_k3;
+  Camera other = camera;
+  if (camera.model() != model) {
+    const std::optional<CameraFit> fit = fitCamera(camera, model);
+    if (!fit || !std::isfinite(fit->error.rms)) return std::nullopt;
+    other = fit->camera;
+  }
+  if (model == CameraModel::kRadtan) {
+    const int count = Camera::parameterCount(model);
+    if (!k3) other = Camera(model, other.width(), other.height(), other.parameters().head(count));
+    other.setEstimateK3(k3);
+  }
+  if (model == CameraModel::kFov && other.parameters()[4] < kLeastFovW) {
+    const auto axisScale = [](double w) { return 2.0 * std::tan(0.5 * w) / w; };
+    Intrinsics p = other.parameters();
+    p.head<2>() *= axisScale(p[4]) / axisScale(kLeastFovW);
+    p[4] = kLeastFovW;
+    other.setParameters(p);
+  }
+  return other;
+}
+
+double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensKnowledge& known) {
+  if (!behind.usable) return ahead.usable ? 0.0 : 1.0;
+  const double ratio = 2.0 * (behind.cost - ahead.cost) / known.variance;
+  if (!(ratio > 0.0)) return 1.0;
+  const int freedom = degreesOfFreedom(behind.camera, ahead.camera);
+  return known.freedom > 0 ? fExceedance(ratio / freedom, freedom, known.freedom)
+                           : chiSquareExceedance(ratio, freedom);
+}
+
+LensComparison compareWithRicher(LensObservations observations, const Camera& present,
+                                 int threads) {
+  LensComparison comparison;
+  comparison.present = tryLens(observations, present, threads);
+  observations.segments = comparison.present.segments;
+  for (const CameraModel model : {CameraModel::kRadtan, CameraModel::kEquidistant}) {
+    const std::optional<Camera> richer = likewise(comparison.present.camera, model, true);
+    if (!richer) continue;
+    const Camera& camera = comparison.present.camera;
+    if (model == camera.model() && richer->estimatedCount() == camera.estimatedCount()) continue;
+    const double limit = chiSquareQuantile(degreesOfFreedom(camera, *richer), kByChance);
+    const double promised = promisedRatio(observations, comparison.present.cost, *richer, threads);
+    if (promised < kWorthAFit * limit) continue;
+    comparison.richer.push_back(tryLens(observations, *richer, threads));
+  }
+  comparison.observations = std::move(observations);
+  return comparison;
+}
+
+}  // namespace camera_self_calibration

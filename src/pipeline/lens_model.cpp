@@ -1,0 +1,69 @@
+// Which model the lens follows: the part of BackEnd that compares models.
+
+#include <utility>
+
+#include "camera_self_calibration/pipeline/back_end.h"
+
+namespace camera_self_calibration {
+
+// Until the queue is the better estimate, on the startup batch: under a model that is far from the
+// lens its segments fit none, and the queue stays empty.
+void BackEnd::considerStartupModel() {
+  if (!state_.chooses_model || queueLeads(state_.phase) || !state_.startup.comparable()) return;
+  if (!state_.model_choice.isDue(state_.keyframes)) return;
+  LensObservations observations{{state_.startup.solved()}, {1.0}, {}};
+  chooseModel(
+      compareWithRicher(std::move(observations), state_.startup.camera(), options_.solver_threads));
+}
+
+// Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.
+void BackEnd::considerLensFit() {
+  if (!queueLeads(state_.phase)) return;
+  const bool verdict_due = state_.health.state != CalibrationState::kConverged &&
+                           state_.known.noise.rms <= convergedRms();
+  const auto comparison = state_.lens_fit.consider(
+      state_.keyframes, verdict_due, state_.queue.candidates(), state_.queue.solution(),
+      {state_.field, state_.known.observed_area}, options_.solver_threads);
+  if (!comparison) return;
+  stateUncertainty();
+  changed_ = true;
+  if (state_.chooses_model) chooseModel(*comparison);
+}
+
+void BackEnd::chooseModel(const LensComparison& comparison) {
+  const std::optional<LensTrial> other =
+      state_.model_choice.choose(comparison, state_.field, options_.solver_threads);
+  if (other) switchModel(*other);
+}
+
+// The queue's segments stay, scored anew; after hand-over, if their joint estimate fails, all stays
+// as it was.
+void BackEnd::switchModel(const LensTrial& lens) {
+  std::vector<Candidate> candidates;
+  for (const Candidate& candidate : state_.queue.candidates()) {
+    const bool restored = candidate.observed.keyframes.empty();
+    const Segment& observed = restored ? candidate.segment : candidate.observed;
+    candidates.push_back(evaluateCandidate(CandidateOptions(), observed, lens.camera));
+  }
+  SegmentQueue queue = state_.queue;
+  const int taken = queue.rebuild(candidates, state_.shutter.startFrom(lens.camera));
+  const bool starting = isStarting(state_.phase);
+  if (!starting && !queue.solution().usable) return;
+  if (starting) state_.startup.switchModel(lens.camera, lens.segments);
+  clearQueue();
+  state_.queue = std::move(queue);
+  state_.shutter.noteTaken(taken);
+  state_.known = KnownLens();
+  state_.known.camera = lens.camera;
+  // It was said of another lens; the next verdict may say it again.
+  if (state_.health.state == CalibrationState::kConverged) {
+    state_.health.state = CalibrationState::kConverging;
+  }
+  if (starting) {
+    followTheBetter();
+  } else {
+    adoptSolution();
+  }
+}
+
+}  // namespace camera_self_calibration
