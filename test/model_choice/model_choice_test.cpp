@@ -15,10 +15,30 @@ const Camera kPincushion = camera640(CameraModel::kRadtan, {420, 415, 325, 236, 
 const Camera kMildFov = camera640(CameraModel::kFov, {420, 415, 325, 236, 0.35});
 const Camera kFov = camera640(CameraModel::kFov, {311.2, 309.8, 327.4, 233.1, 0.93});
 
+// How far each segment's own estimate is from the joint one.
+Scatter scatterOf(const std::vector<Candidate>& candidates, const Camera& joint) {
+  Scatter scatter;
+  for (const Candidate& candidate : candidates) {
+    const Intrinsics off =
+        (joint.parameters() - candidate.camera.parameters()).head(candidate.information.rows());
+    scatter.chi_square += off.dot(candidate.information * off);
+  }
+  scatter.freedom = (static_cast<int>(candidates.size()) - 1) * joint.estimatedCount();
+  return scatter;
+}
+
+// A queue would refuse segments that hardly tell the present model.
 LensComparison compared(const Camera& truth, CameraModel present, int segments = 4) {
-  const SegmentQueue queue = queueOf(truth, present, segments);
-  return compareWithRicher(observationsOf(queue.candidates(), queue.solution().scatter),
-                           queue.solution().camera, 1);
+  const Camera start = as(present, truth);
+  std::vector<Candidate> candidates;
+  for (const Segment& segment : separateSegments(truth, segments)) {
+    candidates.push_back(evaluateCandidate(CandidateOptions(), segment, start));
+  }
+  LensObservations observations = observationsOf(candidates, Scatter());
+  const LensTrial joint = tryLens(observations, start, 1);
+  observations.segments = joint.segments;
+  observations.scatter = scatterOf(candidates, joint.camera);
+  return compareWithRicher(observations, joint.camera, 1);
 }
 
 TEST(LensTrial, WhatPromisesNothingIsNotFitted) {

@@ -53,7 +53,9 @@ TEST(CalibrationSession, NumbersGoOnWhenItBeginsAnew) {
 }
 
 TEST(CalibrationSession, SaysWhyItCannotBegin) {
-  CalibrationSession session{Options(), Callbacks()};
+  Options options;
+  options.model = CameraModel::kFov;
+  CalibrationSession session{options, Callbacks()};
   const Camera wrong_model = Camera::defaultGuess(CameraModel::kPinhole, 640, 480);
   EXPECT_NE(session.start(wrong_model).find("initial intrinsics"), std::string::npos);
   EXPECT_FALSE(session.running());

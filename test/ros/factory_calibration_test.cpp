@@ -127,6 +127,7 @@ TEST(FactoryCalibration, KnowsBinningAndRegion) {
 TEST(StartCamera, WaitsForTheFactoryButNotForEver) {
   NodeOptions options;
   options.camera_info_input = "initial";
+  options.pipeline.model = CameraModel::kFov;
   FactoryCalibration factory("info", 1.0);
   StartCamera start(&options, &factory);
   EXPECT_TRUE(start.decide(640, 480, ros::WallTime(10.0)).wait);
@@ -144,6 +145,7 @@ TEST(StartCamera, WaitsForTheFactoryButNotForEver) {
 
 TEST(StartCamera, TakesTheParametersForTheFirstSizeOnly) {
   NodeOptions options;
+  options.pipeline.model = CameraModel::kFov;
   options.initial_intrinsics = {300, 300, 320, 240, 0.9};
   StartCamera start(&options, nullptr);
   const StartDecision decision = start.decide(640, 480, ros::WallTime(1.0));
