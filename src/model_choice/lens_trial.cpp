@@ -50,11 +50,14 @@ double costOf(const Problem& problem) {
 }
 
 // equidistant follows fov to 0.05 px at worst, which no observation tells from containing it.
+bool contains(const Camera& lens, const Camera& simpler) {
+  return simpler.model() == CameraModel::kPinhole || simpler.model() == lens.model() ||
+         (simpler.model() == CameraModel::kFov && lens.model() == CameraModel::kEquidistant);
+}
+
 int degreesOfFreedom(const Camera& behind, const Camera& ahead) {
-  const bool contained =
-      behind.model() == CameraModel::kPinhole || behind.model() == ahead.model() ||
-      (behind.model() == CameraModel::kFov && ahead.model() == CameraModel::kEquidistant);
-  return std::max(1, ahead.estimatedCount() - (contained ? behind.estimatedCount() : 0));
+  return std::max(1,
+                  ahead.estimatedCount() - (contains(ahead, behind) ? behind.estimatedCount() : 0));
 }
 
 // Twice the log-likelihood that `other` can gain on a lens of this cost, to first order.
@@ -67,6 +70,15 @@ double promisedRatio(const LensObservations& observations, double present_cost, 
   const double step = marginal.remainingStep();
   const double ratio = 2.0 * (present_cost - marginal.cost) + step * step;
   return ratio / std::max(1.0, marginal.designEffect());
+}
+
+// Whether a fit of `richer` is worth while. One that does not contain the present lens starts where
+// it is no better, and its first step tells nothing: it is fitted.
+bool promisesALead(const LensObservations& observations, const LensTrial& present,
+                   const Camera& richer, int threads) {
+  if (!contains(richer, present.camera)) return true;
+  const double limit = chiSquareQuantile(degreesOfFreedom(present.camera, richer), kByChance);
+  return promisedRatio(observations, present.cost, richer, threads) >= kWorthAFit * limit;
 }
 
 // How far the stretches are from their joint lens, to first order.
@@ -181,9 +193,7 @@ LensComparison compareWithRicher(LensObservations observations, const Camera& pr
     if (!richer) continue;
     const Camera& camera = comparison.present.camera;
     if (model == camera.model() && richer->estimatedCount() == camera.estimatedCount()) continue;
-    const double limit = chiSquareQuantile(degreesOfFreedom(camera, *richer), kByChance);
-    const double promised = promisedRatio(observations, comparison.present.cost, *richer, threads);
-    if (promised < kWorthAFit * limit) continue;
+    if (!promisesALead(observations, comparison.present, *richer, threads)) continue;
     comparison.richer.push_back(tryLens(observations, *richer, threads));
   }
   comparison.observations = std::move(observations);
