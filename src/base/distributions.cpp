@@ -18,7 +18,8 @@ double chiSquareExceedance(double value, double degrees_of_freedom) {
 }
 
 double fExceedance(double value, double numerator_freedom, double denominator_freedom) {
-  if (!(value > 0.0)) return 1.0;
+  if (std::isnan(value)) return value;
+  if (value <= 0.0) return 1.0;
   const double x = denominator_freedom / (denominator_freedom + numerator_freedom * value);
   return boost::math::ibeta(0.5 * denominator_freedom, 0.5 * numerator_freedom, x);
 }

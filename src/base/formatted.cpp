@@ -39,4 +39,8 @@ std::string asSentence(const std::string& text) {
   return withFullStop(sentence);
 }
 
+std::string sizeText(int width, int height) {
+  return std::to_string(width) + " x " + std::to_string(height);
+}
+
 }  // namespace camera_self_calibration

@@ -136,4 +136,16 @@ std::optional<CameraFit> fitWithoutK3(const Camera& radtan) {
   return bestFit(pixelGrid(radtan), {start});
 }
 
+Camera withLeastFovW(const Camera& camera) {
+  constexpr double kLeastW = 0.2;
+  if (camera.model() != CameraModel::kFov || camera.parameters()[4] >= kLeastW) return camera;
+  const auto axisScale = [](double w) { return 2.0 * std::tan(0.5 * w) / w; };
+  Intrinsics p = camera.parameters();
+  p.head<2>() *= axisScale(p[4]) / axisScale(kLeastW);
+  p[4] = kLeastW;
+  Camera start = camera;
+  start.setParameters(p);
+  return start;
+}
+
 }  // namespace camera_self_calibration

@@ -11,8 +11,10 @@ constexpr double kShortest = 0.1;  // focal length over the longer side of the i
 constexpr double kLongest = 50.0;
 constexpr double kMostAnamorphic = 4.0;  // ratio of the focal lengths
 
-bool withinOneSizeOf(double position, int size) {
-  return position >= -size && position <= 2.0 * size;
+constexpr double kFarthest = 20.0;  // principal point outside the image, in image sizes
+
+bool isNear(double position, int size) {
+  return position >= -kFarthest * size && position <= (1.0 + kFarthest) * size;
 }
 
 }  // namespace
@@ -25,14 +27,14 @@ std::string implausibility(const Camera& camera) {
   for (const double focal_length : {p(0), p(1)}) {
     if (focal_length >= kShortest * longer && focal_length <= kLongest * longer) continue;
     return formatted(
-        "a focal length of %.4g px is none of a camera with images of %d x %d; it must lie between "
-        "%.0f and %.0f pixels (not millimetres)",
-        focal_length, camera.width(), camera.height(), kShortest * longer, kLongest * longer);
+        "no camera with images of %d x %d has a focal length of %.4g px; it must lie between %.0f "
+        "and %.0f pixels (not millimetres)",
+        camera.width(), camera.height(), focal_length, kShortest * longer, kLongest * longer);
   }
   if (std::max(p(0), p(1)) > kMostAnamorphic * std::min(p(0), p(1))) {
     return formatted("focal lengths of %.4g and %.4g px are too different", p(0), p(1));
   }
-  if (!withinOneSizeOf(p(2), camera.width()) || !withinOneSizeOf(p(3), camera.height())) {
+  if (!isNear(p(2), camera.width()) || !isNear(p(3), camera.height())) {
     return formatted("the principal point (%.4g, %.4g) lies far outside the image of %d x %d", p(2),
                      p(3), camera.width(), camera.height());
   }

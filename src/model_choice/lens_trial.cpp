@@ -27,8 +27,6 @@ constexpr double kByChance = 0.01;
 constexpr double kWorthAFit = 0.5;
 // Of the sigmas, that the residuals under another lens can make of them.
 constexpr double kLeastShare = 1e-3;
-// The derivative by fov's w vanishes at w = 0, where an estimate would never leave.
-constexpr double kLeastFovW = 0.2;
 
 Problem problemOf(const LensObservations& observations, std::vector<Segment>* segments,
                   Camera* camera) {
@@ -81,7 +79,7 @@ bool promisesALead(const LensObservations& observations, const LensTrial& presen
   return promisedRatio(observations, present.cost, richer, threads) >= kWorthAFit * limit;
 }
 
-// How far the stretches are from their joint lens, to first order.
+// How far the segments are from their joint lens, to first order.
 Scatter scatterOf(const Marginal& marginal) {
   Scatter scatter;
   for (const BlockShare& share : marginal.shares) {
@@ -164,14 +162,7 @@ std::optional<Camera> likewise(const Camera& camera, CameraModel model, bool wit
     if (!k3) other = Camera(model, other.width(), other.height(), other.parameters().head(count));
     other.setEstimateK3(k3);
   }
-  if (model == CameraModel::kFov && other.parameters()[4] < kLeastFovW) {
-    const auto axisScale = [](double w) { return 2.0 * std::tan(0.5 * w) / w; };
-    Intrinsics p = other.parameters();
-    p.head<2>() *= axisScale(p[4]) / axisScale(kLeastFovW);
-    p[4] = kLeastFovW;
-    other.setParameters(p);
-  }
-  return other;
+  return withLeastFovW(other);
 }
 
 double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensKnowledge& known) {

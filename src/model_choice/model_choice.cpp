@@ -180,7 +180,7 @@ std::string ModelChoice::sentence() const {
   }
   if (chosen == nullptr) return "";
   const std::string text = "lens model " + chosen->model;
-  if (next == nullptr) return text + ": a richer one promises nothing";
+  if (next == nullptr) return text + ": no richer model would describe the lens better";
   return text +
          formatted(", %.1f nats %s the next best, ", std::abs(next->behind),
                    next->behind < 0.0 ? "behind" : "ahead of") +

@@ -151,9 +151,18 @@ void BackEnd::recallSetting() {
   const std::optional<Setting> setting =
       state_.settings.recall(state_.startup.camera(), state_.startup.information(), limit);
   if (!setting) return;
-  state_.queue = setting->queue;
+  SegmentQueue queue = setting->queue;
+  const Camera camera = queue.solution().camera;
+  std::vector<Candidate> freed;  // of the row time, which may have been learnt since then
+  for (const Candidate& candidate : queue.candidates()) {
+    freed.push_back(state_.shutter.freed(candidate, camera));
+  }
+  queue.rebuild(freed, state_.shutter.startFrom(camera));
+  if (!queue.solution().usable) return;
+  state_.queue = std::move(queue);
+  state_.shutter.noteFreed();
+  state_.lens_fit = LensFit(LensFitOptions());
   advance(PhaseTrigger::kQueueReady);
-  adoptRowTime();  // it may have been learnt since then
   adoptSolution();
   raise(EventType::kHandover, "the lens is back at a setting known from epoch " +
                                   std::to_string(setting->epoch) + ": its queue is in use again");
@@ -211,6 +220,8 @@ void BackEnd::considerHandover() {
 // Windows that overlap replace one another, so that a short video, or slow motion, seldom leaves
 // two separate ones. The batch has seen enough for both.
 void BackEnd::offerHalves() {
+  if (state_.startup.solved().sequence == halves_offered_) return;
+  halves_offered_ = state_.startup.solved().sequence;
   std::vector<Candidate> halves;
   for (const Segment& half : state_.startup.halves()) {
     halves.push_back(evaluateCandidate(CandidateOptions(), half, state_.startup.camera()));

@@ -79,7 +79,10 @@ BackEndOutput BackEnd::confirm(const std::vector<Candidate>& candidates) {
   advance(PhaseTrigger::kConfirmed);
   std::vector<Candidate> comparable;
   for (const Candidate& candidate : candidates) {
-    if (candidate.information.rows() != state_.known.camera.estimatedCount()) continue;
+    const bool same_parameters =
+        candidate.camera.model() == state_.known.camera.model() &&
+        candidate.information.rows() == state_.known.camera.estimatedCount();
+    if (!same_parameters) continue;
     comparable.push_back(state_.shutter.freed(candidate, state_.known.camera));
   }
   const int taken = state_.queue.offer(comparable, queueStart());
@@ -92,8 +95,10 @@ BackEndOutput BackEnd::confirm(const std::vector<Candidate>& candidates) {
 // The present estimate goes on from what the alarm knows; the map, the poses and the queue of the
 // epoch that ends keep their intrinsics.
 CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
+  QueueSolution before = state_.queue.solution();
   archiveQueue(verdict.onset_ns);
-  const QueueSolution before = state_.queue.solution();
+  // Without the segments that the present lens has a part in, where others are left.
+  if (state_.queue.solution().usable) before = state_.queue.solution();
   const bool by_queue = state_.phase == Phase::kHandedOver && before.usable;
   Event event{EventType::kCalibrationChange, state_.stamp_ns, verdict.onset_ns, verdict.reason};
   // The camera in use may have followed the change already, as a drift.
@@ -107,6 +112,7 @@ CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
   advance(PhaseTrigger::kLensChanged);
   ++state_.counters.epoch;
   state_.health.state = CalibrationState::kInitializing;
+  state_.model_choice = ModelChoice(ModelChoiceOptions());
   state_.watch.beginLens(verdict.onset_ns,
                          by_queue ? std::optional<Scatter>(before.scatter) : std::nullopt);
   const IntrinsicsMatrix covariance_before =

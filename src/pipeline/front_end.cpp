@@ -205,6 +205,7 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
   const bool was_tracked = map_tracked_;
   resetMap();
   output->restart_tracking = true;
+  output->contradicted = tracks >= kMinTracks;
   if (was_tracked || loss_reported_) state_ = TrackingState::kLost;
   if (!was_tracked) return;
   loss_reported_ = true;

@@ -21,8 +21,8 @@ std::string doubtOf(const SegmentQueue& queue, const QueueStanding& standing, do
   }
   if (standing.contradicts_startup) {
     return formatted(
-        "the separate segments and the whole are %.1f px rms apart, at most %.0f times their "
-        "uncertainty is believed",
+        "the separate segments and all keyframes together give lenses that are %.1f px rms apart, "
+        "more than %.0f times their uncertainty",
         distance_px, kMaxStartupDistance);
   }
   if (scatter.inflation() > kMaxInflation) {

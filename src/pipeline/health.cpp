@@ -97,8 +97,8 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
   }
   if (evidence.handed_over && !evidence.better_model.empty()) {
     return {CalibrationState::kConverging,
-            "the calibration is " + goodTo(evidence) + limit(evidence) +
-                ", as its model does not describe the lens",
+            "the calibration is only " + goodTo(evidence) + limit(evidence) +
+                ", because the lens model does not describe the lens",
             "set the parameter model to " + settable(evidence.better_model)};
   }
   const WeakDirection weak = weakest(evidence, camera);

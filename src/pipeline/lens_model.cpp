@@ -51,6 +51,7 @@ void BackEnd::switchModel(const LensTrial& lens) {
   if (!starting && !queue.solution().usable) return;
   if (starting) state_.startup.switchModel(lens.camera, lens.segments);
   clearQueue();
+  state_.watch.forgetWindows();  // what they said is of the other model's parameters
   state_.queue = std::move(queue);
   state_.shutter.noteTaken(taken);
   state_.known = KnownLens();

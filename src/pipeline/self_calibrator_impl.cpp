@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "camera_self_calibration/base/formatted.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -12,16 +14,14 @@ constexpr std::size_t kMaxQueuedKeyframes = 4;
 // Maps lost in a row, with nothing learnt of the lens, after which the start values are not
 // believed any more. A good start loses one where the motion is too fast, seldom two.
 constexpr int kMapsToDistrustStart = 3;
+// Keyframes of a map that lasted: its start was no hindrance.
+constexpr int kLastingMap = 12;
 
 const Options& checked(const Options& options) {
   std::string text;
   for (const std::string& problem : options.problems()) text += "\n  " + problem;
   if (!text.empty()) throw std::invalid_argument("the options are not valid:" + text);
   return options;
-}
-
-std::string sizeText(int width, int height) {
-  return std::to_string(width) + " x " + std::to_string(height);
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ void SelfCalibrator::Impl::start(int image_width, int image_height,
     next->camera = Camera::defaultGuess(options.firstModel(), image_width, image_height);
   }
   beginning = next;
-  maps_lost = 0;
+  maps_lost = keyframes_of_map = 0;
   width = next->camera.width();
   height = next->camera.height();
   const std::int64_t first_keyframe = request.state ? request.state->keyframes : 0;
@@ -124,16 +124,17 @@ void SelfCalibrator::Impl::followRequests(const TrackedFrame& frame) {
   if (taken.scale != 1.0) front_end->scaleMap(taken.scale);
 }
 
-// Start values that are wrong make poses disagree with the tracks, map after map.
-void SelfCalibrator::Impl::distrustStart(const TrackedFrame& frame) {
-  if (front_end->knowsLens()) return;
+// Start values that are wrong make poses disagree with the tracks, map after map. A covered lens
+// says nothing of them.
+void SelfCalibrator::Impl::distrustStart(const TrackedFrame& frame, bool contradicted) {
+  if (std::exchange(keyframes_of_map, 0) >= kLastingMap) maps_lost = 0;
+  if (front_end->knowsLens() || !contradicted) return;
   const bool given = beginning->camera.parameters() !=
                      Camera::defaultGuess(beginning->camera.model(), width, height).parameters();
   if (++maps_lost < kMapsToDistrustStart || !given || options.fix_intrinsics) return;
   raise({EventType::kInput, frame.stamp_ns, frame.stamp_ns,
-         std::to_string(maps_lost) +
-             " maps in a row were lost with the start values: they are given up, and the "
-             "calibration begins again from a guess"});
+         "the start values are given up, since " + std::to_string(maps_lost) +
+             " maps in a row were lost with them; the calibration begins again from a guess"});
   start(width, height, {Camera::defaultGuess(options.firstModel(), width, height), nullptr});
 }
 
@@ -224,12 +225,13 @@ void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
   tracker.drop(output.outliers);
   if (output.restart_tracking) {
     tracker.reset();
-    distrustStart(frame);
+    distrustStart(frame, output.contradicted);
   }
   output.result.tracks = frame;
   tracking = output.result.state == TrackingState::kTracking;
   for (const Event& event : output.events) raise(event);
   if (output.keyframe) {
+    ++keyframes_of_map;
     if (callbacks.map) callbacks.map(mapView(output));
     output.keyframe->beginning = beginning;
     if (mode == Mode::kInline) {

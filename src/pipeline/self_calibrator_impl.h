@@ -36,7 +36,7 @@ struct SelfCalibrator::Impl {
   void leaveOut(std::int64_t stamp_ns, const std::string& reason);
   void start(int width, int height, const Requests::Restart& request);
   void followRequests(const TrackedFrame& frame);
-  void distrustStart(const TrackedFrame& frame);
+  void distrustStart(const TrackedFrame& frame, bool contradicted);
   void refuseOtherSize(const TrackedFrame& frame, Requests::Restart* request) const;
   void checkSource(bool takes_images);
   void raise(const Event& event) const {
@@ -55,7 +55,8 @@ struct SelfCalibrator::Impl {
   std::int64_t last_stamp_ns = 0;
   std::string left_out;  // why the last image was; empty if it was not
   std::shared_ptr<const Beginning> beginning;
-  int maps_lost = 0;  // since it, before anything was learnt
+  int maps_lost = 0;         // since it, in a row, before anything was learnt
+  int keyframes_of_map = 0;  // of the present one
 
   // Thread 2; made when the first keyframe of a new beginning arrives.
   std::unique_ptr<CheckedBackEnd> back_end;

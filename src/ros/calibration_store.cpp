@@ -31,10 +31,6 @@ std::optional<NamedInfo> parse(const std::string& text) {
   return std::nullopt;
 }
 
-std::string sizeText(int width, int height) {
-  return std::to_string(width) + " x " + std::to_string(height);
-}
-
 // Moved or removed by the user, not by this program.
 const char* const kLeftUntouched = "; it is left untouched: move it away or choose another file";
 

@@ -28,7 +28,7 @@ bool CameraInfoPolicy::keeps(const CalibrationReport& report) {
   return report.epoch == inherited_epoch_;
 }
 
-// A reset starts before hand-over, a change of the lens begins an epoch.
+// A reset without a saved state starts before hand-over, a change of the lens begins an epoch.
 bool CameraInfoPolicy::lastGoodHolds(const CalibrationReport& report) const {
   return published_ && good_epoch_ == report.epoch && report.handed_over &&
          camera_->width() == report.camera.width() && camera_->height() == report.camera.height();
@@ -43,7 +43,7 @@ std::string CameraInfoPolicy::update(const CalibrationReport& report) {
     awaits_beginning_ = false;
     const bool kept = keeps(report);
     if (kept && !converged) return {};
-    last_good_ = !usable(report) && lastGoodHolds(report);
+    last_good_ = !converged && lastGoodHolds(report);
     if (last_good_) return {};
     if (!usable(report)) {
       good_epoch_.reset();
@@ -53,7 +53,7 @@ std::string CameraInfoPolicy::update(const CalibrationReport& report) {
       obstacle_.clear();
       return {};
     }
-    if (converged) good_epoch_ = report.epoch;
+    good_epoch_ = converged ? std::optional<std::uint64_t>(report.epoch) : std::nullopt;
     const bool same = camera_ && camera_->width() == report.camera.width() &&
                       camera_->height() == report.camera.height();
     if (same && !(pixelDistance(*camera_, report.camera).rms > min_change_px_)) {
@@ -80,11 +80,17 @@ std::string CameraInfoPolicy::judgement(const CalibrationReport& report) const {
 void CameraInfoPolicy::accept(const Camera& camera, const sensor_msgs::CameraInfo& info) {
   const std::lock_guard<std::mutex> lock(mutex_);
   camera_ = camera;
+  forgetLastGood();
   published_ = CameraInfoConversion{info, {}};
   obstacle_.clear();
   if (options_.fixed_projection) fixed_ = info;
   inherited_ = given_ = awaits_beginning_ = true;
   inherited_epoch_known_ = false;
+}
+
+void CameraInfoPolicy::forgetLastGood() {
+  good_epoch_.reset();
+  last_good_ = false;
 }
 
 void CameraInfoPolicy::forget() {
@@ -96,6 +102,7 @@ void CameraInfoPolicy::inherit(const Camera& camera) {
   publish(camera, true);
   const std::lock_guard<std::mutex> lock(mutex_);
   inherited_ = published_.has_value();
+  forgetLastGood();
   awaits_beginning_ = false;
   inherited_epoch_known_ = false;
 }

@@ -14,10 +14,6 @@ namespace {
 
 const char* const kNoImage = "no image has come yet: there is nothing to work on";
 
-std::string sizeText(int width, int height) {
-  return std::to_string(width) + " x " + std::to_string(height);
-}
-
 /// Empty, or why there is a file that is not to be lost.
 std::string whyNotReplaced(const std::string& report_file) {
   const FileContents present = readFile(report_file);

@@ -209,7 +209,8 @@ void Diagnostics::addCameraInfo(Status* status) const {
   }
   if (info.last_good) {
     status->mergeSummary(DiagnosticStatus::WARN,
-                         "camera_info still goes out as it was when it was last CONVERGED.");
+                         "The calibration is no longer CONVERGED; camera_info still carries the "
+                         "last one that was.");
   }
   if (info.error.max > CameraInfoPolicy::kConversionWarning) {
     status->mergeSummaryf(DiagnosticStatus::WARN,

@@ -13,8 +13,6 @@ namespace {
 
 // A difference counts from so many standard deviations of the live calibration on.
 constexpr double kSignificant = 3.0;
-// The fov model's derivative by w vanishes at w = 0, where an estimate would never leave.
-constexpr double kLeastFovW = 0.2;
 
 bool sameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
   return a.width == b.width && a.height == b.height && a.K == b.K && a.D == b.D &&
@@ -22,10 +20,6 @@ bool sameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::Camera
          a.binning_y == b.binning_y && a.roi.x_offset == b.roi.x_offset &&
          a.roi.y_offset == b.roi.y_offset && a.roi.width == b.roi.width &&
          a.roi.height == b.roi.height;
-}
-
-std::string sizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
 }
 
 std::string describe(const PixelError& distance, const PixelError& uncertainty) {
@@ -37,15 +31,10 @@ std::string describe(const PixelError& distance, const PixelError& uncertainty) 
 std::optional<Camera> asStart(const Camera& factory, CameraModel model) {
   const std::optional<CameraFit> fit = fitCamera(factory, model);
   // A start that cannot project the whole image would later pass for a change of the lens.
-  if (!fit || !std::isfinite(fit->error.max)) return std::nullopt;
-  if (model != CameraModel::kFov || fit->camera.parameters()[4] >= kLeastFovW) return fit->camera;
-  Camera start = fit->camera;
-  Intrinsics p = start.parameters();
-  const auto axisScale = [](double w) { return 2.0 * std::tan(0.5 * w) / w; };
-  p.head<2>() *= axisScale(p[4]) / axisScale(kLeastFovW);
-  p[4] = kLeastFovW;
-  start.setParameters(p);
-  return start;
+  if (!fit || !std::isfinite(fit->error.max) || !implausibility(fit->camera).empty()) {
+    return std::nullopt;
+  }
+  return withLeastFovW(fit->camera);
 }
 
 }  // namespace

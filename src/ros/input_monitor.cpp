@@ -12,10 +12,6 @@ namespace {
 // Images that overtake each other are closer than this; a bag that starts again is not.
 constexpr std::int64_t kJumpNs = 500000000;
 
-std::string sizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 std::string secondsText(std::int64_t nanoseconds) {
   return formatted("%.1f s", toSeconds(nanoseconds));
 }

@@ -4,17 +4,12 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/calibration_url.h"
 
 namespace camera_self_calibration {
-namespace {
-
-std::string sizeText(int width, int height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
-}  // namespace
+namespace {}  // namespace
 
 MaskReading readMask(const std::string& url) {
   if (url.empty()) return {};

@@ -39,7 +39,8 @@ std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info,
   }
   const std::optional<CameraFit> fit = fitCamera(*camera, *model);
   // A start that cannot project the whole image would later pass for a change of the lens.
-  return fit && std::isfinite(fit->error.max) ? fit : std::nullopt;
+  const bool usable = fit && std::isfinite(fit->error.max) && implausibility(fit->camera).empty();
+  return usable ? fit : std::nullopt;
 }
 
 std::string whyNoStart(const sensor_msgs::CameraInfo& info, std::optional<CameraModel> model) {

@@ -3,6 +3,7 @@
 #include <image_transport/camera_common.h>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/plausibility.h"
 #include "camera_self_calibration/ros/mask_file.h"
 #include "camera_self_calibration/ros/stamps.h"
 
@@ -177,7 +178,8 @@ bool SelfCalibrationNode::begin(const std::optional<Camera>& camera) {
 // The session ends here; unless something is known of the new images, ready() decides on its start.
 void SelfCalibrationNode::beginAnew(const std::string& what, const ros::Time& stamp) {
   session_->stop();
-  const auto known = size_memory_->begin(monitor_.width(), monitor_.height());
+  auto known = size_memory_->begin(monitor_.width(), monitor_.height());
+  if (known && !implausibility(known->camera).empty()) known.reset();
   const std::int64_t stamp_ns = toNanoseconds(stamp);
   raise({EventType::kInput, stamp_ns, stamp_ns,
          what + (known ? "; the calibration is " + known->how + " and is checked"

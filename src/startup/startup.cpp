@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -22,6 +21,7 @@ constexpr int kNewBatchKeyframes = 12;  // at most, where one begins again
 // A full batch is solved again when this share more keyframes came: its uncertainty can then be by
 // half that share smaller.
 constexpr double kWorthASolve = 0.1;
+constexpr int kMostNew = 3;  // or when so great a part of it is new
 constexpr double kHuber = 2.0;
 constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
 // Of the likelihood ratio that k3 needs: promised to first order, it may turn out twice as large.
@@ -77,8 +77,8 @@ void Startup::reset(const Camera& initial) {
   initial_ = camera_ = trusted_ = initial;
   options_.growth.prior = vaguePrior(initial);
   next_.reset();
-  segment_ = Segment();
-  information_ = covariance_ = IntrinsicsMatrix();
+  segment_ = gated_ = Segment();
+  information_ = covariance_ = earlier_covariance_ = IntrinsicsMatrix();
   whole_image_uncertainty_ = PixelError::unknown();
   residual_scale_ = 1.0;
   usable_ = false;
@@ -105,6 +105,7 @@ void Startup::goOnWith(const Camera& camera) {
       camera.model() != trusted_.model() || camera.estimatedCount() != trusted_.estimatedCount();
   camera_ = camera;
   if (!other) return;
+  next_.reset();
   trusted_ = camera;
   options_.growth.prior = vaguePrior(camera);
   information_ = covariance_ = IntrinsicsMatrix();
@@ -146,6 +147,7 @@ bool Startup::isInformative() const {
 
 void Startup::add(const Segment& history) {
   if (history.keyframes.size() < 2) return;
+  const Camera solved = camera_;
   if (!continues(segment_, history)) {
     beginBatch(history);
   } else if (ran_away_) {
@@ -153,10 +155,13 @@ void Startup::add(const Segment& history) {
   } else {
     extend(history);
   }
-  if (!usable_ || added_ >= next_solve_) {
+  const bool full = static_cast<int>(segment_.keyframes.size()) > options_.max_keyframes;
+  if (!usable_ || !full || added_ >= next_solve_) {
     judge();
-    const bool full = static_cast<int>(segment_.keyframes.size()) > options_.max_keyframes;
-    next_solve_ = added_ + (full ? static_cast<int>(kWorthASolve * added_) : 0);
+    next_solve_ = added_ + std::min(static_cast<int>(kWorthASolve * added_),
+                                    options_.max_keyframes / kMostNew);
+  } else {
+    camera_ = solved;  // what is known of it goes on to belong together
   }
   if (added_ >= next_retry_ &&
       (!usable_ || residual_scale_ * residual_scale_ > options_.retry_cost)) {
@@ -202,6 +207,7 @@ void Startup::extend(const Segment& history) {
   const int keyframes = static_cast<int>(segment_.keyframes.size());
   const int known = keyframes - countAfter(newest, segment_);
   if (known == 0) {
+    next_solve_ = 0;
     bootstrap(options_.growth, &segment_, &camera_);
   } else {
     for (int k = known; k < keyframes; ++k) {
@@ -283,17 +289,19 @@ void Startup::setRowTime(double row_time_s) {
 }
 
 RowTimeEstimate Startup::rowTime() const {
-  if (!isInformative()) return RowTimeEstimate();
+  if (!isInformative() || gated_.keyframes.empty()) return RowTimeEstimate();
   Segment segment = gated_;
   return estimateRowTime({freeBlock(&segment, camera_)}, camera_, options_.growth.prior, 1);
 }
 
 std::vector<Segment> Startup::halves() const {
-  if (!usable_ || gated_.isEarlier(0)) return {};
-  std::vector<char> later(gated_.keyframes.size(), 0);
-  std::fill(later.begin() + static_cast<std::ptrdiff_t>(later.size() / 2), later.end(), 1);
-  std::vector<char> earlier(later.size());
-  std::transform(later.begin(), later.end(), earlier.begin(), std::logical_not<char>());
+  if (!usable_ || gated_.keyframes.empty()) return {};
+  const std::size_t begin = gated_.earlier_camera ? gated_.earlier_keyframes : 0;
+  const std::size_t end = gated_.keyframes.size();
+  const std::size_t middle = begin + (end - begin) / 2;
+  std::vector<char> earlier(end, 0);
+  std::vector<char> later(end, 0);
+  for (std::size_t k = begin; k < end; ++k) (k < middle ? earlier : later)[k] = 1;
   return {onlyKeyframes(gated_, earlier), onlyKeyframes(gated_, later)};
 }
 

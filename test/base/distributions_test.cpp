@@ -45,6 +45,7 @@ TEST(ChiSquare, OfNoFreedomOrWithoutBound) {
   EXPECT_EQ(chiSquareExceedance(1.0, 0), 0.0);
   EXPECT_EQ(chiSquareExceedance(std::numeric_limits<double>::infinity(), 3), 0.0);
   EXPECT_TRUE(std::isnan(chiSquareExceedance(std::nan(""), 3)));
+  EXPECT_TRUE(std::isnan(fExceedance(std::nan(""), 3, 3)));
 }
 
 TEST(FDistribution, OfTheTables) {

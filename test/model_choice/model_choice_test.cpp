@@ -62,7 +62,7 @@ TEST(LensTrial, ALeadIsJudgedByItsDegreesOfFreedom) {
   EXPECT_NEAR(byChance(equidistant, radtan), 1.03e-2, 0.01e-2);  // of 8: not contained
   EXPECT_EQ(byChance(pinhole, equidistant), 1.0);
   EXPECT_NEAR(leadByChance(equidistant, pinhole, {2.0, 0, {}}), 4.04e-2, 0.01e-2);
-  // Where the disagreement of stretches is estimated from little.
+  // Where the disagreement of segments is estimated from little.
   EXPECT_NEAR(leadByChance(equidistant, pinhole, {1.0, 10, {}}), 1.78e-2, 0.01e-2);
 }
 
@@ -114,7 +114,7 @@ TEST(ModelChoice, GoesBackToASimplerOne) {
 
 // What is right but hardly known would be further from the truth.
 TEST(ModelChoice, AWrongModelStaysUntilABetterOneIsKnown) {
-  // The stretches disagree under all of them.
+  // The segments disagree under all of them.
   const LensComparison comparison = compared(kRadtan, CameraModel::kPinhole);
   EXPECT_FALSE(comparison.richer.empty());
   ModelChoice choice{ModelChoiceOptions()};

@@ -80,7 +80,7 @@ TEST(Requests, AStartThatPosesContradictIsGivenUp) {
   EXPECT_LT(pixelDistance(truth, run.report().camera).rms, 1.0);
   const auto& events = run.record.events;
   EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const Event& event) {
-    return event.sentence.find("they are given up") != std::string::npos;
+    return event.sentence.find("start values are given up") != std::string::npos;
   }));
 }
 

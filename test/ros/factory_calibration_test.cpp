@@ -42,7 +42,7 @@ TEST(FactoryCalibration, SaysWhatIsMissing) {
   EXPECT_NE(factory.comparison().sentence.find("thin_prism"), std::string::npos);
   factory.take(toCameraInfo(Camera::defaultGuess(CameraModel::kPinhole, 320, 240))->info);
   EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kUnusable);
-  EXPECT_NE(factory.comparison().sentence.find("320x240"), std::string::npos);
+  EXPECT_NE(factory.comparison().sentence.find("320 x 240"), std::string::npos);
 }
 
 TEST(FactoryCalibration, ComparesOnlyWithAConvergedCalibration) {
@@ -83,7 +83,7 @@ TEST(FactoryCalibration, StartsInTheModelToEstimate) {
     EXPECT_LT(pixelDistance(kLens, *start).rms, 0.05);
   }
   EXPECT_FALSE(factory.startFor(CameraModel::kFov, 320, 240, &problem));
-  EXPECT_NE(problem.find("320x240"), std::string::npos);
+  EXPECT_NE(problem.find("320 x 240"), std::string::npos);
 }
 
 // Where w = 0 the fov model does not feel a change of w: an estimate from there would stay.

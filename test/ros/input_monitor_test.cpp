@@ -47,7 +47,7 @@ TEST(InputMonitor, ASingleImageOfAnotherSizeChangesNothing) {
   InputMonitor monitor;
   monitor.check(image(10.0));
   EXPECT_EQ(monitor.check(image(10.1, 32, 24)), InputVerdict::kReject);
-  EXPECT_NE(monitor.counts().last_problem.find("64x48 to 32x24"), std::string::npos);
+  EXPECT_NE(monitor.counts().last_problem.find("64 x 48 to 32 x 24"), std::string::npos);
   EXPECT_EQ(monitor.check(image(10.2)), InputVerdict::kUse);
   // Two cameras on one topic: neither wins.
   for (int i = 0; i < 20; ++i) {

@@ -52,7 +52,7 @@ TEST(MaskFile, FitsImagesOfItsShape) {
   ASSERT_TRUE(reading.mask);
   EXPECT_EQ(maskMisfit(*reading.mask, 64, 48), "");
   EXPECT_EQ(maskMisfit(*reading.mask, 640, 480), "");
-  EXPECT_NE(maskMisfit(*reading.mask, 752, 480).find("752x480"), std::string::npos);
+  EXPECT_NE(maskMisfit(*reading.mask, 752, 480).find("752 x 480"), std::string::npos);
 }
 
 }  // namespace

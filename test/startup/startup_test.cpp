@@ -274,6 +274,8 @@ TEST(Startup, AnEarlierLensLendsWhatWasKnownOfIt) {
     Startup startup(StartupOptions(), before), trusting = startup;
     startup.resume(camera, fit.marginal.information, solved, doubt);
     trusting.resume(camera, fit.marginal.information, solved, IntrinsicsMatrix());
+    EXPECT_TRUE(startup.halves().empty());  // nothing of the lens before
+    EXPECT_FALSE(startup.comparable());
     trusting.add(prefixOf(history, 10, 1, &index));
     trusting_right += isRight(trusting, after);
     for (int k = 10; k <= 24; ++k) {

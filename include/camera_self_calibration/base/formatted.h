@@ -17,4 +17,7 @@ std::string withFullStop(const std::string& text);
 /// small letters, such as a path, begins as it is.
 std::string asSentence(const std::string& text);
 
+/// "640 x 480".
+std::string sizeText(int width, int height);
+
 }  // namespace camera_self_calibration

@@ -26,4 +26,9 @@ std::optional<CameraFit> fitCamera(const Camera& source, CameraModel target);
 std::optional<CameraFit> fitCamera(const RationalPolynomial& source, int width, int height,
                                    CameraModel target);
 
+/// Where an estimate can start: the derivative by fov's w vanishes at w = 0, which it would never
+/// leave. Focal lengths follow, so that the image's centre stays as it is. Other models as they
+/// are.
+Camera withLeastFovW(const Camera& camera);
+
 }  // namespace camera_self_calibration

@@ -8,9 +8,9 @@ namespace camera_self_calibration {
 
 /// Why intrinsics cannot be those of any camera with images of this size, as a part of a sentence;
 /// empty if they can. Bounds that no lens comes near: focal lengths of a tenth to fifty times the
-/// image's longer side (one of 180 degrees has a third, a telescope of two degrees thirty), a ratio
-/// of the two of at most four (half the lines of interlaced video make two), and a principal point
-/// at most one image size outside, as in an image cut out of a larger one.
+/// image's longer side (a lens of 180 degrees has a third, a telescope of two degrees thirty
+/// times), a ratio of the two of at most four (half the lines of interlaced video make two), and a
+/// principal point at most twenty image sizes outside, as in a small image cut out of a large one.
 std::string implausibility(const Camera& camera);
 
 }  // namespace camera_self_calibration

@@ -11,7 +11,7 @@
 
 namespace camera_self_calibration {
 
-/// What lenses are compared on: stretches of video that share nothing but the lens.
+/// What lenses are compared on: segments of video that share nothing but the lens.
 struct LensObservations {
   std::vector<Segment> segments;     ///< Solved and gated; at least one.
   std::vector<double> sigma_scales;  ///< By which the sigmas of each are multiplied.
@@ -40,7 +40,7 @@ LensTrial tryLens(const LensObservations& observations, const Camera& start, int
 struct LensKnowledge {
   /// Factor by which differences of costs are too large, or, below 1, too small: what the residuals
   /// under this lens make of the sigmas, correlation along tracks (Marginal::designEffect), and how
-  /// far the stretches disagree. Under a lens that is wrong they disagree for that alone, so that
+  /// far the segments disagree. Under a lens that is wrong they disagree for that alone, so that
   /// the smaller of what this one and the one in use make of it counts.
   double variance = 1.0;
   int freedom = 0;              ///< Degrees of freedom of the disagreement; 0: there is none.
@@ -64,11 +64,11 @@ double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensK
 struct LensComparison {
   LensObservations observations;
   LensTrial present;
-  std::vector<LensTrial> richer;  ///< Those that promised enough to be fitted.
+  std::vector<LensTrial> richer;  ///< Those that were worth a fit.
 };
 
-/// Each richer lens starts from the present one. What it can gain is judged to first order, from
-/// one linearisation; only one that may be ahead by more than chance is fitted.
+/// Each richer lens starts from the present one. What one that contains it can gain is judged to
+/// first order, from one linearisation; it is fitted only if it may be ahead by more than chance.
 LensComparison compareWithRicher(LensObservations observations, const Camera& present, int threads);
 
 }  // namespace camera_self_calibration

@@ -27,7 +27,7 @@ struct ModelChoiceOptions {
   /// take over then. One that is too rich costs little and says what it costs, one that is too
   /// simple is wrong and does not: this is less strict than LensFitOptions::significance.
   double refuted = 0.01;
-  /// The same where there is one stretch of video only, which cannot show how far stretches
+  /// The same where there is one segment of video only, which cannot show how far segments
   /// disagree.
   double refuted_alone = 1e-4;
   /// Above which nothing speaks against a model: a simpler one takes over then, if it is expected
@@ -41,7 +41,7 @@ struct ModelChoiceOptions {
 /// Which projection model the lens follows: the simplest that the observations do not refute
 /// (likelihood ratio), as soon as it is known well enough to be nearer to the truth than the one in
 /// use. A simpler one takes over again where nothing speaks against it, or where the one in use has
-/// parameters that the motion does not tell; one that stretches of video have refuted only then.
+/// parameters that the motion does not tell; one that segments of video have refuted only then.
 class ModelChoice {
  public:
   explicit ModelChoice(const ModelChoiceOptions& options) : options_(options) {}

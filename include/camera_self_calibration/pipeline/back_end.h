@@ -86,9 +86,10 @@ class BackEnd {
 
   Options options_;
   BackEndState state_;
-  bool changed_ = false;         // the estimate in use, by the newest keyframe
-  bool converged_told_ = false;  // by an event
-  std::vector<Event> events_;    // of the newest keyframe
+  bool changed_ = false;              // the estimate in use, by the newest keyframe
+  bool converged_told_ = false;       // by an event
+  std::int64_t halves_offered_ = -1;  // Segment::sequence of the batch
+  std::vector<Event> events_;         // of the newest keyframe
 };
 
 }  // namespace camera_self_calibration

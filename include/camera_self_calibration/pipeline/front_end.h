@@ -59,6 +59,7 @@ struct FrontEndOutput {
   std::vector<std::int64_t> outliers;  ///< Tracks to end.
   std::vector<Event> events;
   bool restart_tracking = false;  ///< The map was lost: end all tracks, detect anew.
+  bool contradicted = false;      ///< It was, although enough features could be followed.
 };
 
 /// Thread 1: from the tracks of one image to its pose, and at keyframes through the sliding window.

@@ -74,6 +74,7 @@ class CameraInfoPolicy {
   bool usable(const CalibrationReport& report) const;
   bool keeps(const CalibrationReport& report);
   bool lastGoodHolds(const CalibrationReport& report) const;
+  void forgetLastGood();
   std::string publish(const Camera& camera, bool converged);
   std::string judgement(const CalibrationReport& report) const;
   void setProjection(bool converged, sensor_msgs::CameraInfo* info);

@@ -72,8 +72,8 @@ class Startup {
   RowTimeEstimate rowTime() const;
   int keyframesAdded() const { return added_; }  ///< In all.
 
-  /// The earlier and the later half of the solved batch, which share no keyframe, without outliers.
-  /// None where it is not usable, or holds keyframes of an earlier lens.
+  /// The earlier and the later half of what the solved batch holds of the present lens, which share
+  /// no keyframe, without outliers. None where it is not usable.
   std::vector<Segment> halves() const;
 
   const Camera& camera() const { return camera_; }
