@@ -141,8 +141,12 @@ LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial&
       own.inflation() < observations.scatter.inflation() ? own : observations.scatter;
   const double disagreement = scatter.inflation() * scatter.inflation();
   LensKnowledge knowledge;
-  knowledge.freedom = scatter.inflationFreedom();
   knowledge.variance = disagreement * scale * scale;
+  if (scatter.inflationFreedom() > 0) {
+    const Scatter moderated = scatter.moderated();
+    knowledge.freedom = moderated.freedom;
+    knowledge.variance = moderated.chi_square / moderated.freedom * scale * scale;
+  }
   if (const auto covariance = marginal.robustCovariance()) {
     knowledge.covariance = disagreement * *covariance;
   }

@@ -33,6 +33,13 @@ std::string limit(const HealthEvidence& evidence) {
   return formatted(" (limit %.2f px)", evidence.threshold_px);
 }
 
+// Of CONVERGED, which is kept a little beyond its limit.
+std::string limitToLeave(const HealthEvidence& evidence) {
+  if (evidence.uncertainty.rms <= evidence.threshold_px) return limit(evidence);
+  return formatted(" (limit %.2f px; no longer CONVERGED above %.2f px)", evidence.threshold_px,
+                   kHysteresis * evidence.threshold_px);
+}
+
 bool isUnobserved(const HealthEvidence& evidence, const Camera& camera) {
   if (!evidence.has_estimate || evidence.information.size() == 0) return false;
   return !(evidence.uncertainty.rms < kUselessUncertaintyShare * camera.width()) ||
@@ -93,7 +100,7 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
   const double allowed = (was_converged ? kHysteresis : 1.0) * evidence.threshold_px;
   if (evidence.handed_over && rms <= allowed) {
     return {CalibrationState::kConverged,
-            "the calibration is " + goodTo(evidence) + limit(evidence), ""};
+            "the calibration is " + goodTo(evidence) + limitToLeave(evidence), ""};
   }
   if (evidence.handed_over && !evidence.better_model.empty()) {
     return {CalibrationState::kConverging,

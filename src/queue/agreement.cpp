@@ -30,10 +30,6 @@ Intrinsics estimated(const Camera& camera) {
   return camera.parameters().head(camera.estimatedCount());
 }
 
-// Degrees of freedom that the sigmas themselves count for beside the scatter that was seen, which
-// in two segments alone could be of any size by chance.
-constexpr int kPriorFreedom = 5;
-
 double squared(double value) { return value * value; }
 
 // Sums of gradient and information at the reference, with its inflation.
@@ -175,10 +171,10 @@ double pValue(double statistic, const Reference& reference) {
   const int count = reference.camera.estimatedCount();
   const Scatter& scatter = reference.scatter;
   if (scatter.inflationFreedom() == 0) return chiSquareExceedance(statistic, count);
-  const int freedom = scatter.inflationFreedom() + kPriorFreedom;
-  const double variance = (scatter.chi_square + kPriorFreedom) / freedom;
+  const Scatter moderated = scatter.moderated();
+  const double variance = moderated.chi_square / moderated.freedom;
   const double ratio = squared(scatter.inflation()) / variance;  // statistic is in inflated sigmas
-  return fExceedance(ratio * statistic / count, count, freedom);
+  return fExceedance(ratio * statistic / count, count, moderated.freedom);
 }
 
 }  // namespace camera_self_calibration

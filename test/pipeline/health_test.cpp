@@ -60,8 +60,9 @@ TEST(Health, ConvergesBelowTheThreshold) {
 }
 
 TEST(Health, LeavesConvergedWhenItIsClearlyNoLongerGood) {
-  EXPECT_EQ(judgeHealth(evidence(20, true, 1.4), kCamera, true).state,
-            CalibrationState::kConverged);
+  const HealthVerdict kept = judgeHealth(evidence(20, true, 1.4), kCamera, true);
+  EXPECT_EQ(kept.state, CalibrationState::kConverged);
+  EXPECT_NE(kept.sentence.find("above 1.50 px"), std::string::npos) << kept.sentence;
   EXPECT_EQ(judgeHealth(evidence(20, true, 1.4), kCamera, false).state,
             CalibrationState::kConverging);
   const HealthVerdict worse = judgeHealth(evidence(20, true, 1.6), kCamera, true);

@@ -89,7 +89,7 @@ TEST_F(BadInput, MalformedImagesAreNamedAndLeftOut) {
 TEST_F(BadInput, AnotherSizeIsNamedAndTheOldOneGoesOn) {
   expectAlive(200.0);
   publisher_.publish(picture(200.1, 160, 120));
-  EXPECT_TRUE(diagnosed("selfcal: timing", "320x240 to 160x120"));
+  EXPECT_TRUE(diagnosed("selfcal: timing", "320 x 240 to 160 x 120"));
   expectAlive(200.2);
   EXPECT_FALSE(hasStatus(200.1));
 }

@@ -106,7 +106,7 @@ TEST_F(Inputs, FactoryStartResolutionChangeAndSilence) {
   const std::uint64_t map_id = status_.messages.back()->map_id;
   const std::size_t before = calibration_.messages.size();
   for (int i = 0; i < 12; ++i) publish(101.0 + 0.05 * i, 160, 120);
-  EXPECT_TRUE(raised("320x240 to 160x120"));
+  EXPECT_TRUE(raised("320 x 240 to 160 x 120"));
   ASSERT_TRUE(spinUntil([&] { return calibration_.messages.size() > before; }, 10.0));
   const Camera rescaled = cameraOf(*calibration_.messages.back());
   EXPECT_EQ(rescaled.width(), 160);

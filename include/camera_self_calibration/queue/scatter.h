@@ -15,6 +15,10 @@ struct Scatter {
   /// least 1.
   double inflation() const;
 
+  /// The same with the sigmas themselves for a witness: as if five more degrees of freedom had
+  /// scattered by just those. What two segments alone scatter could be of any size by chance.
+  Scatter moderated() const;
+
   /// Degrees of freedom from which inflation() is known; 0 where so much happens by chance: the
   /// sigmas are right, and inflation() is no estimate of a variance.
   int inflationFreedom() const;
