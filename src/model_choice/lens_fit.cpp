@@ -11,8 +11,6 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr std::int64_t kMinInterval = 5;  // keyframes between comparisons
-constexpr std::int64_t kMaxInterval = 100;
 // Share of the image without rays up to which a calibration still is one of the image. Under radtan
 // the outermost corners of a strongly distorted lens have none (3 % on one of 100 degrees that it
 // fits to 0.1 px elsewhere); on a lens of 125 degrees, which it does not fit, 10 %.
@@ -90,7 +88,7 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
   for (const Candidate& candidate : queue) sequences.push_back(candidate.segment.sequence);
   if (!solution.usable || sequences == compared_) return std::nullopt;
   compared_ = std::move(sequences);
-  next_ = keyframes + std::clamp(keyframes / 4, kMinInterval, kMaxInterval);
+  next_ = nextComparison(keyframes);
   report_ = LensFitReport();
   LensComparison comparison =
       compareWithRicher(observationsOf(queue, solution.scatter), solution.camera, threads);

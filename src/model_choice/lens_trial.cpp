@@ -178,6 +178,12 @@ double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensK
                            : chiSquareExceedance(ratio, freedom);
 }
 
+std::int64_t nextComparison(std::int64_t keyframes) {
+  constexpr std::int64_t kMinInterval = 5;
+  constexpr std::int64_t kMaxInterval = 100;
+  return keyframes + std::clamp(keyframes / 4, kMinInterval, kMaxInterval);
+}
+
 LensComparison compareWithRicher(LensObservations observations, const Camera& present,
                                  int threads) {
   LensComparison comparison;

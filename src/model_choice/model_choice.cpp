@@ -11,8 +11,6 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr std::int64_t kMinInterval = 5;  // keyframes between comparisons
-constexpr std::int64_t kMaxInterval = 100;
 // rms uncertainty over image width above which an estimate tells nothing of the lens.
 constexpr double kUselessShare = 0.03;
 
@@ -76,9 +74,9 @@ class Trials {
   // off beyond what the noise of both explains [px^2].
   double error(const LensTrial& lens, const LensTrial& other) const {
     const double own = noise(lens);
+    const double others = noise(other);
     const double off = square(pixelDistance(lens.camera, other.camera, field_).rms);
-    const double explained = own + noise(other);
-    return explained < off ? off - noise(other) : own;
+    return own + others < off ? off - others : own;
   }
 
   bool isUseful(double error) const {
@@ -140,7 +138,7 @@ std::optional<LensTrial> simplerThan(const LensTrial& present, const LensKnowled
 
 bool ModelChoice::isDue(std::int64_t keyframes) {
   if (keyframes < next_) return false;
-  next_ = keyframes + std::clamp(keyframes / 4, kMinInterval, kMaxInterval);
+  next_ = nextComparison(keyframes);
   return true;
 }
 

@@ -153,11 +153,8 @@ void BackEnd::recallSetting() {
   if (!setting) return;
   SegmentQueue queue = setting->queue;
   const Camera camera = queue.solution().camera;
-  std::vector<Candidate> freed;  // of the row time, which may have been learnt since then
-  for (const Candidate& candidate : queue.candidates()) {
-    freed.push_back(state_.shutter.freed(candidate, camera));
-  }
-  queue.rebuild(freed, state_.shutter.startFrom(camera));
+  // The row time may have been learnt since then.
+  queue.rebuild(state_.shutter.freed(queue.candidates(), camera), state_.shutter.startFrom(camera));
   if (!queue.solution().usable) return;
   state_.queue = std::move(queue);
   state_.shutter.noteFreed();
@@ -180,11 +177,8 @@ void BackEnd::adoptRowTime() {
   const double row_time_s = state_.shutter.rowTime().inUse();
   if (isStarting(state_.phase)) state_.startup.setRowTime(row_time_s);
   state_.watch.forgetWindows();
-  std::vector<Candidate> freed;
-  for (const Candidate& candidate : state_.queue.candidates()) {
-    freed.push_back(state_.shutter.freed(candidate, state_.known.camera));
-  }
-  state_.queue.rebuild(freed, queueStart());
+  state_.queue.rebuild(state_.shutter.freed(state_.queue.candidates(), state_.known.camera),
+                       queueStart());
   state_.shutter.noteFreed();
   if (isStarting(state_.phase)) {
     followTheBetter();

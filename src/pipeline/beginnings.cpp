@@ -56,12 +56,9 @@ bool BackEnd::restore(const LearntState& state) {
   }
   Shutter shutter = state_.shutter;
   shutter.restore(state);
-  std::vector<Candidate> freed;
-  for (const Candidate& candidate : state.segments) {
-    freed.push_back(shutter.freed(candidate, state.camera));
-  }
   SegmentQueue queue = state_.queue;
-  const int taken = queue.rebuild(freed, shutter.startFrom(state.camera));
+  const int taken =
+      queue.rebuild(shutter.freed(state.segments, state.camera), shutter.startFrom(state.camera));
   if (!queue.solution().usable) return false;
   state_.shutter = std::move(shutter);
   state_.queue = std::move(queue);

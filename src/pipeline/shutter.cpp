@@ -52,6 +52,13 @@ Candidate Shutter::freed(const Candidate& candidate, const Camera& camera) const
   return anew;
 }
 
+std::vector<Candidate> Shutter::freed(const std::vector<Candidate>& candidates,
+                                      const Camera& camera) const {
+  std::vector<Candidate> result;
+  for (const Candidate& candidate : candidates) result.push_back(freed(candidate, camera));
+  return result;
+}
+
 bool Shutter::ask(const Startup& startup) {
   if (!learns_) return false;
   const int keyframes = startup.keyframesAdded();

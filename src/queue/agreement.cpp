@@ -51,6 +51,16 @@ QuadraticLikelihood pooled(const std::vector<QuadraticLikelihood>& likelihoods,
   return sum;
 }
 
+// The sum of two informations, factorised with a unit diagonal.
+struct Total {
+  Eigen::VectorXd scale;
+  Eigen::LDLT<Eigen::MatrixXd> factor;
+
+  explicit Total(const Eigen::MatrixXd& information)
+      : scale(information.diagonal().unaryExpr(&inverseRoot)),
+        factor(scale.asDiagonal() * information * scale.asDiagonal()) {}
+};
+
 }  // namespace
 
 double squaredDistance(const Intrinsics& gradient, const IntrinsicsMatrix& information) {
@@ -141,13 +151,12 @@ Agreement agreement(const std::vector<QuadraticLikelihood>& likelihoods,
   const QuadraticLikelihood sum = pooled(likelihoods, reference);
   // (I_o^-1 + I_r^-1)^-1 = I_o - I_o (I_o + I_r)^-1 I_o, and I_o d is the gradient: no inverse of
   // I_o is needed, which may be singular.
-  const Eigen::MatrixXd total = sum.information + reference.information;
-  const Eigen::VectorXd scale = total.diagonal().unaryExpr(&inverseRoot);
-  const Eigen::LDLT<Eigen::MatrixXd> factor(scale.asDiagonal() * total * scale.asDiagonal());
-  Eigen::MatrixXd own = scale.asDiagonal() * sum.information * scale.asDiagonal();
+  const Total total(sum.information + reference.information);
+  const Eigen::VectorXd& scale = total.scale;
+  const Eigen::MatrixXd own = scale.asDiagonal() * sum.information * scale.asDiagonal();
   const Eigen::VectorXd g = scale.cwiseProduct(sum.gradient);
   // T^2 = g^T (I_o + I_o I_r^-1 I_o)^-1 g on the range of I_o.
-  const Eigen::MatrixXd inner = own - own * factor.solve(own);
+  const Eigen::MatrixXd inner = own - own * total.factor.solve(own);
   const Eigen::VectorXd d = own.completeOrthogonalDecomposition().solve(g);
   Agreement result;
   result.statistic = std::max(0.0, d.dot(inner * d));
@@ -159,11 +168,9 @@ Agreement agreement(const std::vector<QuadraticLikelihood>& likelihoods,
 Intrinsics compromise(const std::vector<QuadraticLikelihood>& likelihoods,
                       const Reference& reference) {
   const QuadraticLikelihood sum = pooled(likelihoods, reference);
-  const Eigen::MatrixXd total = sum.information + reference.information;
-  const Eigen::VectorXd scale = total.diagonal().unaryExpr(&inverseRoot);
-  const Eigen::LDLT<Eigen::MatrixXd> factor(scale.asDiagonal() * total * scale.asDiagonal());
+  const Total total(sum.information + reference.information);
   const Eigen::VectorXd step =
-      scale.cwiseProduct(factor.solve(scale.cwiseProduct(sum.gradient)).eval());
+      total.scale.cwiseProduct(total.factor.solve(total.scale.cwiseProduct(sum.gradient)).eval());
   return sum.point + step;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -59,6 +60,10 @@ std::optional<Camera> likewise(const Camera& camera, CameraModel model, bool wit
 /// freedom are the parameters that `ahead` has more where it contains the other, all of its
 /// parameters, to be on the safe side, where it only comes close to it. 1 where it is not ahead.
 double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensKnowledge& known);
+
+/// Count of keyframes at which to compare again: when there are a quarter more, at least 5 and at
+/// most 100, so that the effort per keyframe stays bounded.
+std::int64_t nextComparison(std::int64_t keyframes);
 
 /// The lens in use beside richer ones, radtan with k3 and equidistant.
 struct LensComparison {

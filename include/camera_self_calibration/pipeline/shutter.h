@@ -26,6 +26,8 @@ class Shutter {
   /// The candidate evaluated anew, if it was freed of another row time. None that was well posed is
   /// lost by it.
   Candidate freed(const Candidate& candidate, const Camera& camera) const;
+  std::vector<Candidate> freed(const std::vector<Candidate>& candidates,
+                               const Camera& camera) const;
 
   /// Asks the startup batch if it has grown enough since the last time. True if the row time in use
   /// is another now.
