@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "camera_self_calibration/base/median.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -26,6 +28,9 @@ ImageMotion motionThrough(const std::vector<Sample>& samples) {
   motion.velocity -= middle * motion.acceleration;
   return motion;
 }
+
+// For so many images a camera is taken to be as steady as it was: a few seconds.
+constexpr double kMemoryImages = 100.0;
 
 // A feature cannot be seen to move faster than rows are read.
 constexpr double kLeastPace = 0.2;
@@ -78,9 +83,40 @@ void MotionHistory::add(const TrackedFrame& frame) {
   Image next;
   next.stamp_ns = frame.stamp_ns;
   next.first_new_id = next_id_;
+  measureStep(&next);
   images_.push_back(std::move(next));
   if (size() > kImages) images_.pop_front();
   addDetected(frame.tracks);
+  if (size() == kImages) weighSteps();
+}
+
+void MotionHistory::measureStep(Image* next) {
+  if (images_.empty()) return;
+  const std::int64_t step_ns = next->stamp_ns - images_.back().stamp_ns;
+  const FrameClock::Step step = clock_.add(step_ns);
+  const std::int64_t period_ns = clock_.period();
+  next->stamped_step_s = 1e-9 * static_cast<double>(step_ns);
+  next->even_step_s = period_ns == 0 || step.gap
+                          ? next->stamped_step_s
+                          : 1e-9 * static_cast<double>((1 + step.missed) * period_ns);
+}
+
+void MotionHistory::weighSteps() {
+  const Image& before = images_[images_.size() - 3];
+  const Image& middle = images_[images_.size() - 2];
+  const Image& newest = images_.back();
+  // How far features came from where they would be at the velocity of the step before.
+  std::vector<double> by_stamps, by_periods;
+  for (const auto& [id, pixel] : newest.pixels) {
+    const auto at_middle = middle.pixels.find(id);
+    const auto at_first = before.pixels.find(id);
+    if (at_middle == middle.pixels.end() || at_first == before.pixels.end()) continue;
+    const Eigen::Vector2d first = at_middle->second - at_first->second;
+    const Eigen::Vector2d second = pixel - at_middle->second;
+    by_stamps.push_back((second - newest.stamped_step_s / middle.stamped_step_s * first).norm());
+    by_periods.push_back((second - newest.even_step_s / middle.even_step_s * first).norm());
+  }
+  evenness_ += median(by_stamps, 0.0) - median(by_periods, 0.0) - evenness_ / kMemoryImages;
 }
 
 void MotionHistory::addDetected(const std::vector<Track>& tracks) {
@@ -93,15 +129,17 @@ void MotionHistory::addDetected(const std::vector<Track>& tracks) {
 std::map<std::int64_t, ImageMotion> MotionHistory::motions(int images_ago) const {
   std::map<std::int64_t, ImageMotion> result;
   const Image& asked = image(images_ago);
+  std::vector<double> times(images_.size(), 0.0);
+  for (std::size_t i = 1; i < images_.size(); ++i) times[i] = times[i - 1] + stepOf(images_[i]);
+  const double now = times[images_.size() - 1 - static_cast<std::size_t>(images_ago)];
   std::vector<Sample> samples;
   for (const auto& [id, pixel] : asked.pixels) {
     if (images_ago == kImages - 1 && id < asked.first_new_id) continue;
     samples.clear();
-    for (const Image& other : images_) {
-      const auto found = other.pixels.find(id);
-      if (found == other.pixels.end()) continue;
-      samples.push_back(
-          {1e-9 * static_cast<double>(other.stamp_ns - asked.stamp_ns), found->second});
+    for (std::size_t i = 0; i < images_.size(); ++i) {
+      const auto found = images_[i].pixels.find(id);
+      if (found == images_[i].pixels.end()) continue;
+      samples.push_back({times[i] - now, found->second});
     }
     result[id] = motionThrough(samples);
   }

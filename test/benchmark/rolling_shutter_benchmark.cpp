@@ -1,10 +1,11 @@
 // The readout time of a rolling shutter, and the calibration with it, on simulated feature tracks.
 //
 //   rolling_shutter_benchmark [--trials 40] [--first-seed 1] [--seconds 15] [--shutter auto]
-//                             [--readouts 0,10,15,30] [--noise 0]
+//                             [--readouts 0,10,15,30] [--noise 0] [--jitter 0]
 //
 // Each trial has a lens, a motion and a noise of its own, the same for every readout time [ms].
 // `--noise` is that of all trials [px]; 0: 0.05 to 0.2.
+// `--jitter` is how far the images' stamps are off at most [ms].
 // `--shutter` is what the calibrator is told: auto, off or a readout time [s].
 
 #include <algorithm>
@@ -33,6 +34,7 @@ struct Arguments {
   std::string shutter;
   std::string readouts_ms;
   double noise_px = 0.0;
+  double jitter_s = 0.0;
 };
 
 struct Row {
@@ -53,6 +55,7 @@ Row runTrial(const Arguments& arguments, double readout_s, std::uint64_t seed) {
   tracks.outlier_share = 0.01;
   tracks.max_features = 100;
   tracks.readout_s = readout_s;
+  tracks.stamp_jitter_s = arguments.jitter_s;
   tracks.duration_s = arguments.seconds + 1.0;
   Options options = optionsFor(model);
   setRollingShutter(arguments.shutter, &options);
@@ -132,7 +135,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
                                      {"--seconds", "15"},
                                      {"--shutter", "auto"},
                                      {"--readouts", "0,10,15,30"},
-                                     {"--noise", "0"}});
+                                     {"--noise", "0"},
+                                     {"--jitter", "0"}});
   if (!values) return std::nullopt;
   Arguments arguments;
   arguments.trials = std::stoi(values->at("--trials"));
@@ -141,6 +145,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   arguments.shutter = values->at("--shutter");
   arguments.readouts_ms = values->at("--readouts");
   arguments.noise_px = std::stod(values->at("--noise"));
+  arguments.jitter_s = 1e-3 * std::stod(values->at("--jitter"));
   Options scratch;
   return setRollingShutter(arguments.shutter, &scratch) ? std::make_optional(arguments)
                                                         : std::nullopt;

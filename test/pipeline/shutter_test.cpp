@@ -56,6 +56,19 @@ TEST(Shutter, ReadoutTimeIsLearntWithTheIntrinsics) {
             << global.error_px << " px\n";
 }
 
+TEST(Shutter, StampsOfArrivalDoNotSpoilIt) {
+  TrackRunOptions tracks = tracksWith(kReadout);
+  tracks.stamp_jitter_s = 4e-3;
+  const Camera truth = ordinaryCameras()[1];
+  TrackRun run(truth, optionsFor(truth.model()), tracks);
+  run.run(kFrames);
+  const CalibrationReport report = run.report();
+  EXPECT_EQ(report.state, CalibrationState::kConverged) << report.sentence;
+  EXPECT_NEAR(report.shutter.readout_s, kReadout, 0.05 * kReadout)
+      << "8 % too short by the stamps alone";
+  EXPECT_LT(pixelDistance(truth, report.camera).rms, 3.0 * report.uncertainty.rms);
+}
+
 TEST(Shutter, GlobalOneIsFoundToBeGlobal) {
   const Learnt learnt = learn(ordinaryCameras()[1], 0.0, "auto");
   EXPECT_FALSE(learnt.report.shutter.rolls) << describe(learnt.report.shutter);

@@ -8,6 +8,7 @@
 
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
+#include "camera_self_calibration/simulation/random.h"
 #include "camera_self_calibration/simulation/room.h"
 #include "camera_self_calibration/simulation/synthetic_motion.h"
 
@@ -52,7 +53,8 @@ struct TrackRunOptions {
   std::uint64_t seed = 1;
   int max_features = 80;
   double rate_hz = 15.0;
-  double readout_s = 0.0;  ///< Of a rolling shutter.
+  double readout_s = 0.0;       ///< Of a rolling shutter.
+  double stamp_jitter_s = 0.0;  ///< Images are stamped so much too early or late, evenly spread.
   double duration_s = 120.0;
   /// If given, the camera at a time since the start [s].
   std::function<Camera(double)> lens = nullptr;
@@ -63,6 +65,8 @@ class TrackRun {
  public:
   TrackRun(const Camera& truth, const Options& options, const TrackRunOptions& run)
       : rate_hz_(run.rate_hz),
+        stamp_jitter_s_(run.stamp_jitter_s),
+        jitter_(mixSeed(run.seed, 77)),
         tracks_(makeRoom(RoomOptions()), Lens{truth, std::nullopt, 1.0, run.lens}, motionOf(run),
                 tracksOf(run, truth)),
         calibrator_(options, SelfCalibrator::Mode::kInline, record.callbacks()) {}
@@ -81,7 +85,8 @@ class TrackRun {
   }
   void step() {
     const std::int64_t stamp = kStartNs + static_cast<std::int64_t>(1e9 * frame_++ / rate_hz_);
-    const TrackedFrame frame = tracks_.track(stamp);  // a copy: detect() may be called inside
+    TrackedFrame frame = tracks_.track(stamp);  // a copy: detect() may be called inside
+    frame.stamp_ns += static_cast<std::int64_t>(1e9 * jitter_.uniform(-1.0, 1.0) * stamp_jitter_s_);
     calibrator_.processTracks(frame, [this] { return tracks_.detect(); });
   }
   /// As if the lens were covered: frames without tracks.
@@ -128,6 +133,8 @@ class TrackRun {
   }
 
   double rate_hz_;
+  double stamp_jitter_s_;
+  Random jitter_;
   int frame_ = 0;
   FeatureTracks tracks_;
   SelfCalibrator calibrator_;

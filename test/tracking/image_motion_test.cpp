@@ -2,6 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "camera_self_calibration/simulation/random.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -82,6 +87,47 @@ TEST(ImageMotion, InTimeItIsThatOfTheFeature) {
 TEST(ImageMotion, AGlobalShutterChangesNothing) {
   const ImageMotion motion{{100.0, 200.0}, {3000.0, -1000.0}};
   EXPECT_EQ(asSeenAtOnce({10.0, 20.0}, motion, kMiddle, 0.0), Eigen::Vector2d(10.0, 20.0));
+}
+
+// Images that are taken at `taken_s`, and stamped at `stamped_s`.
+TrackedFrame frameAt(double taken_s, double stamped_s) {
+  TrackedFrame result;
+  result.stamp_ns = std::llround(1e9 * stamped_s);
+  for (int id = 0; id < 5; ++id) {
+    Track track;
+    track.id = id;
+    track.pixel = {300.0 + 40.0 * id + 90.0 * std::sin(4.0 * taken_s), 200.0 + 60.0 * taken_s};
+    result.tracks.push_back(track);
+  }
+  return result;
+}
+
+// The largest error of a velocity [share], after the first images.
+double worstVelocity(bool taken_unevenly) {
+  Random random(4);
+  MotionHistory history;
+  double worst = 0.0, before = 0.0;
+  for (int i = 0; i < 90; ++i) {
+    const double even = kPeriod * i;
+    const double uneven = even + random.uniform(-0.12, 0.12) * kPeriod;
+    const double taken = taken_unevenly ? uneven : even;
+    history.add(frameAt(taken, uneven));
+    if (i > 20) {
+      const Eigen::Vector2d truth(360.0 * std::cos(4.0 * before), 60.0);
+      const Eigen::Vector2d error = history.motions(1).at(3).velocity - truth;
+      worst = std::max(worst, error.norm() / 360.0);
+    }
+    before = taken;
+  }
+  return worst;
+}
+
+TEST(ImageMotion, ASteadyCameraIsNotThoughtUnsteadyForItsStamps) {
+  EXPECT_LT(worstVelocity(false), 0.02) << "stamped up to 12 % of a period early or late";
+}
+
+TEST(ImageMotion, ImagesTakenUnevenlyKeepTheTimesOfTheirStamps) {
+  EXPECT_LT(worstVelocity(true), 0.02);
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "camera_self_calibration/ros/frame_clock.h"
+#include "camera_self_calibration/base/frame_clock.h"
 #include "camera_self_calibration/ros/gray_image.h"
 
 namespace camera_self_calibration {

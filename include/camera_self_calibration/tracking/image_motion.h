@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 
+#include "camera_self_calibration/base/frame_clock.h"
 #include "camera_self_calibration/tracking/track.h"
 
 namespace camera_self_calibration {
@@ -25,7 +26,10 @@ ImageMotion motionInTime(const Eigen::Vector2d& pixel, const ImageMotion& stampe
 Eigen::Vector2d asSeenAtOnceInTime(const Eigen::Vector2d& pixel, const ImageMotion& in_time,
                                    double middle_row, double row_time_s);
 
-/// The motion of features through the newest images, by a parabola through three of them.
+/// The motion of features through the newest images, by a parabola through three of them. A sensor
+/// takes images at a steady rate, but many drivers stamp them when they arrive, some milliseconds
+/// early or late, which makes a velocity wrong by as large a part. So steps of whole periods take
+/// the place of the stamps' for as long as features move more evenly by them.
 class MotionHistory {
  public:
   /// The images that are remembered: the newest is 0 images old.
@@ -37,6 +41,7 @@ class MotionHistory {
   /// Tracks that start in the newest image.
   void addDetected(const std::vector<Track>& tracks);
 
+  /// Forgets the images, but not how steady the camera is.
   void clear() { images_.clear(); }
 
   /// Number of images remembered.
@@ -52,6 +57,8 @@ class MotionHistory {
  private:
   struct Image {
     std::int64_t stamp_ns = 0;
+    double stamped_step_s = 0.0;                     ///< From the image before it, by the stamps,
+    double even_step_s = 0.0;                        ///< and in whole periods.
     std::map<std::int64_t, Eigen::Vector2d> pixels;  // by track id
     std::int64_t first_new_id = 0;                   // this and greater ones started in it
   };
@@ -60,8 +67,18 @@ class MotionHistory {
     return images_[images_.size() - 1 - static_cast<std::size_t>(images_ago)];
   }
 
+  void measureStep(Image* next);
+  void weighSteps();
+  double stepOf(const Image& image) const {
+    return evenness_ > 0.0 ? image.even_step_s : image.stamped_step_s;
+  }
+
   std::deque<Image> images_;
   std::int64_t next_id_ = 0;
+  FrameClock clock_{60};  // jitter of a tenth of a period then makes velocities wrong by 0.3 %
+  /// By how much less the features' steps in the image change in whole periods than by the stamps:
+  /// a sum over the newest images [px].
+  double evenness_ = 0.0;
 };
 
 }  // namespace camera_self_calibration

@@ -1,4 +1,4 @@
-#include "camera_self_calibration/ros/frame_clock.h"
+#include "camera_self_calibration/base/frame_clock.h"
 
 #include <algorithm>
 
@@ -19,14 +19,14 @@ FrameClock::Step FrameClock::add(std::int64_t step_ns) {
   if (usual > 0 && !step.gap && 2 * step_ns > 3 * usual) {
     step.missed = static_cast<int>((step_ns + usual / 2) / usual) - 1;
   }
-  if (!step.gap) steps_[count_++ % kKept] = step_ns;
+  if (!step.gap) steps_[count_++ % steps_.size()] = step_ns;
   return step;
 }
 
 std::int64_t FrameClock::period() const {
-  const std::size_t known = std::min(count_, kKept);
+  const std::size_t known = std::min(count_, steps_.size());
   if (known < kEnough) return 0;
-  std::array<std::int64_t, kKept> sorted = steps_;
+  std::vector<std::int64_t> sorted = steps_;
   const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(known / 2);
   std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(known));
   // The mean of the usual steps, since jitter makes the median lean to one side.
