@@ -11,6 +11,20 @@ std::vector<PixelRay> pixelGrid(const Camera& camera, const ImageField& field,
   return pixelGrid(camera.width(), camera.height(), unproject, field);
 }
 
+std::vector<PixelRay> pixelGrid(const Camera& camera, const ImageWeights& weights) {
+  std::vector<PixelRay> grid;
+  for (int row = 0; row < ImageField::kRows; ++row) {
+    for (int column = 0; column < ImageField::kColumns; ++column) {
+      const double weight = weights.of(column, row);
+      if (!(weight > 0.0)) continue;
+      const Eigen::Vector2d pixel =
+          ImageField::pixel(column, row, camera.width(), camera.height());
+      if (const auto ray = camera.unproject(pixel)) grid.push_back({pixel, *ray, weight});
+    }
+  }
+  return grid;
+}
+
 std::vector<PixelRay> pixelGrid(
     int width, int height,
     const std::function<std::optional<Eigen::Vector3d>(const Eigen::Vector2d&)>& unproject,
@@ -21,7 +35,7 @@ std::vector<PixelRay> pixelGrid(
     for (int column = 0; column < ImageField::kColumns; ++column) {
       if (!field.sees(column, row)) continue;
       const Eigen::Vector2d pixel = ImageField::pixel(column, row, width, height);
-      if (const auto ray = unproject(pixel)) grid.push_back({pixel, *ray});
+      if (const auto ray = unproject(pixel)) grid.push_back({pixel, *ray, 1.0});
     }
   }
   return grid;
@@ -38,7 +52,7 @@ std::vector<PixelRay> areaGrid(const Camera& camera, double max_radius_px) {
       const Eigen::Vector2d pixel((column + 0.5) * camera.width() / kColumns - 0.5,
                                   (row + 0.5) * camera.height() / kRows - 0.5);
       if ((pixel - centre).norm() > max_radius_px) continue;
-      if (const auto ray = camera.unproject(pixel)) grid.push_back({pixel, *ray});
+      if (const auto ray = camera.unproject(pixel)) grid.push_back({pixel, *ray, 1.0});
     }
   }
   return grid;

@@ -10,6 +10,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/image_field.h"
+#include "camera_self_calibration/camera/image_weights.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
@@ -17,12 +18,16 @@ namespace camera_self_calibration {
 struct PixelRay {
   Eigen::Vector2d pixel;
   Eigen::Vector3d ray;
+  double weight = 1.0;
 };
 
 /// The points of the grid of ImageField that see, have a ray and lie at most `max_radius_px` from
 /// the principal point.
 std::vector<PixelRay> pixelGrid(const Camera& camera, const ImageField& field = {},
                                 double max_radius_px = 1e9);
+
+/// The points of that grid that count, and have a ray.
+std::vector<PixelRay> pixelGrid(const Camera& camera, const ImageWeights& weights);
 
 /// The points of that grid over an image of this size [px] that `unproject` gives a ray for.
 std::vector<PixelRay> pixelGrid(

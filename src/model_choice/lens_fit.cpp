@@ -11,10 +11,6 @@
 namespace camera_self_calibration {
 namespace {
 
-// Share of the image without rays up to which a calibration still is one of the image. Under radtan
-// the outermost corners of a strongly distorted lens have none (3 % on one of 100 degrees that it
-// fits to 0.1 px elsewhere); on a lens of 125 degrees, which it does not fit, 10 %.
-constexpr double kMaxUndescribed = 0.05;
 // Share of the image where a ray of `lens` has no pixel under `present`.
 double undescribedShare(const Camera& lens, const Camera& present, const ImageField& field) {
   int seen = 0;
@@ -42,7 +38,7 @@ PixelError beyond(const PixelError& stated, const PixelError& distance, const Pi
 }
 
 PixelError withUndescribed(double share, const PixelError& misfit) {
-  if (share <= kMaxUndescribed) return misfit;
+  if (share <= kNegligibleRim) return misfit;
   return {
       std::hypot(std::sqrt(1.0 - share) * misfit.rms, std::sqrt(share) * kUnpredictableResidualPx),
       std::max(misfit.max, kUnpredictableResidualPx)};
@@ -67,7 +63,7 @@ LensFitReport misfitBeside(const QueueSolution& solution, const LensTrial& riche
 
 }  // namespace
 
-bool LensFitReport::describesImage() const { return undescribed <= kMaxUndescribed; }
+bool LensFitReport::describesImage() const { return undescribed <= kNegligibleRim; }
 
 std::string LensFitReport::sentence() const {
   if (!compared) return "";

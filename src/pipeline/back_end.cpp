@@ -262,6 +262,8 @@ void BackEnd::adoptSolution() {
   known.covariance = solution.presentCovariance();
   known.cross_validation = crossValidate(solution, state_.field);
   known.observed_area = observedArea(state_.queue.candidates(), known.camera, state_.field);
+  known.observed.features = std::make_shared<const ImageWeights>(
+      featureWeights(state_.queue.candidates(), known.camera));
   stateUncertainty();
   changed_ = true;
 }

@@ -71,12 +71,17 @@ CalibrationReport reportOf(const BackEndState& state) {
   report.hint = state.health.hint;
   report.camera = state.known.camera;
   report.covariance = state.known.covariance;
+  if (queueLeads(state.phase)) {
+    const Scatter& scatter = state.queue.solution().scatter;
+    if (scatter.inflationFreedom() > 0) report.scatter_freedom = scatter.moderated().freedom;
+  }
   report.uncertainty = state.uncertainty();
   report.entropy = entropy(state.known.camera, state.known.covariance);
   report.revision = state.counters.revision;
   report.epoch = state.counters.epoch;
   report.change_p_value = state.change_p_value;
   report.last_change = state.last_change;
+  report.last_change_ns = state.last_change_ns;
   report.handed_over = !isStarting(state.phase);
   report.keyframes = state.keyframes;
   report.queue.swaps = state.swaps;

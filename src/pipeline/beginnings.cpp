@@ -104,6 +104,7 @@ CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
   event.p_value = verdict.p_value;
   event.sentence += describe(event);
   state_.last_change = event.sentence;
+  state_.last_change_ns = event.onset_stamp_ns;
   events_.push_back(std::move(event));
 
   advance(PhaseTrigger::kLensChanged);

@@ -64,6 +64,14 @@ ImageField observedArea(const std::vector<Candidate>& queue, const Camera& camer
   return observed;
 }
 
+ImageWeights featureWeights(const std::vector<Candidate>& queue, const Camera& camera) {
+  ImageWeights weights(camera.width(), camera.height());
+  for (const Candidate& candidate : queue) {
+    for (const Observation& seen : candidate.segment.observations) weights.count(seen.pixel);
+  }
+  return weights;
+}
+
 std::string unseenCorners(const ImageField& observed, const ImageField& seeing) {
   std::vector<std::string> names;
   for (const Corner& corner : kCorners) {

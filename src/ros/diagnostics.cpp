@@ -1,6 +1,7 @@
 #include "camera_self_calibration/ros/diagnostics.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "camera_self_calibration/base/formatted.h"
 
@@ -245,16 +246,17 @@ void Diagnostics::queue(Status& status) {
 }
 
 void Diagnostics::factory(Status& status) {
-  const FactoryComparison comparison = factory_->comparison();
-  const bool fine = comparison.verdict == FactoryVerdict::kAgrees ||
-                    comparison.verdict == FactoryVerdict::kWaiting;
-  status.summary(fine ? DiagnosticStatus::OK : DiagnosticStatus::WARN, comparison.sentence);
-  if (comparison.verdict != FactoryVerdict::kAgrees &&
-      comparison.verdict != FactoryVerdict::kDiffers) {
-    return;
-  }
-  status.add("difference rms [px]", comparison.distance.rms);
-  status.add("difference max [px]", comparison.distance.max);
+  const FactoryAudit factory = factory_->audit();
+  const AuditReport& audit = factory.audit;
+  const bool fine = factory.usable && audit.verdict != AuditVerdict::kWrong;
+  status.summary(fine ? DiagnosticStatus::OK : DiagnosticStatus::WARN, factory.sentence);
+  if (!factory.usable) return;
+  status.add("verdict", toString(audit.verdict));
+  if (!std::isfinite(audit.distance_px)) return;
+  status.add("distance rms [px]", audit.distance_px);
+  status.add("its sigma [px]", audit.sigma_px);
+  status.add("p-value", audit.p_value);
+  if (audit.verdict == AuditVerdict::kWrong) status.add("likely cause", audit.cause_sentence);
 }
 
 void Diagnostics::timing(Status& status) {

@@ -11,9 +11,6 @@
 namespace camera_self_calibration {
 namespace {
 
-// A difference counts from so many standard deviations of the live calibration on.
-constexpr double kSignificant = 3.0;
-
 bool sameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::CameraInfo& b) {
   return a.width == b.width && a.height == b.height && a.K == b.K && a.D == b.D &&
          a.distortion_model == b.distortion_model && a.binning_x == b.binning_x &&
@@ -22,9 +19,19 @@ bool sameCalibration(const sensor_msgs::CameraInfo& a, const sensor_msgs::Camera
          a.roi.height == b.roi.height;
 }
 
-std::string describe(const PixelError& distance, const PixelError& uncertainty) {
-  return formatted("%.2f px rms (max %.2f px), with the live one good to %.2f px rms", distance.rms,
-                   distance.max, uncertainty.rms);
+AuditOptions withTolerance(double tolerance_px) {
+  AuditOptions options;
+  options.tolerance_px = tolerance_px;
+  return options;
+}
+
+std::string sentenceOf(const AuditReport& audit) {
+  std::string sentence = toString(audit.verdict) + ": " + asSentence(audit.sentence());
+  if (audit.verdict == AuditVerdict::kWrong) {
+    sentence += " Commit the live calibration to the driver, or calibrate again.";
+  }
+  if (!audit.hint.empty()) sentence += " " + asSentence(audit.hint);
+  return sentence;
 }
 
 /// In the model to estimate, where an estimate can start.
@@ -39,9 +46,9 @@ std::optional<Camera> asStart(const Camera& factory, CameraModel model) {
 
 }  // namespace
 
-FactoryCalibration::FactoryCalibration(std::string topic, double warn_px)
-    : topic_(std::move(topic)), warn_px_(warn_px) {
-  compare();
+FactoryCalibration::FactoryCalibration(std::string topic, double tolerance_px)
+    : topic_(std::move(topic)), options_(withTolerance(tolerance_px)) {
+  judge();
 }
 
 void FactoryCalibration::subscribe(ros::NodeHandle node) {
@@ -56,7 +63,8 @@ void FactoryCalibration::take(const sensor_msgs::CameraInfo& info) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (newest_ && sameCalibration(*newest_, info)) return;
   newest_ = info;
-  compare();
+  history_ = AuditHistory();
+  judge();
 }
 
 bool FactoryCalibration::heard() const {
@@ -69,12 +77,12 @@ void FactoryCalibration::update(const CalibrationReport& report) {
   const bool news = report.revision != report_.revision || report.state != report_.state ||
                     report.camera.width() != report_.camera.width();
   report_ = report;
-  if (news) compare();
+  if (news) judge();
 }
 
-FactoryComparison FactoryCalibration::comparison() const {
+FactoryAudit FactoryCalibration::audit() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return comparison_;
+  return audit_;
 }
 
 std::optional<SensorWindow> FactoryCalibration::windowFor(int width, int height) const {
@@ -87,83 +95,58 @@ std::optional<SensorWindow> FactoryCalibration::windowFor(int width, int height)
 std::optional<Camera> FactoryCalibration::startFor(std::optional<CameraModel> model, int width,
                                                    int height, std::string* problem) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  FactoryComparison result;
-  const std::optional<Camera> factory = cameraFor(model, width, height, &result);
-  const std::string implausible = factory ? implausibility(*factory) : "";
+  const std::optional<Camera> factory = read(model, problem);
+  if (!factory) return std::nullopt;
+  if (factory->width() != width || factory->height() != height) {
+    *problem = "The factory calibration on " + topic_ + " is for images of " +
+               sizeText(factory->width(), factory->height()) + ", but they are " +
+               sizeText(width, height) + ".";
+    return std::nullopt;
+  }
+  const std::string implausible = implausibility(*factory);
   if (!implausible.empty()) {
     *problem = "The factory calibration on " + topic_ + " cannot be right: " + implausible + ".";
     return std::nullopt;
   }
-  const std::optional<Camera> start =
-      factory ? asStart(*factory, model.value_or(factory->model())) : std::nullopt;
-  *problem = factory && !start
-                 ? "the factory calibration on " + topic_ + " cannot be expressed as " +
-                       toString(model.value_or(factory->model()))
-                 : result.sentence;
+  const CameraModel wanted = model.value_or(factory->model());
+  const std::optional<Camera> start = asStart(*factory, wanted);
+  *problem = start ? ""
+                   : "the factory calibration on " + topic_ + " cannot be expressed as " +
+                         toString(wanted);
   return start;
 }
 
-// Says in `result` why there is none.
-std::optional<Camera> FactoryCalibration::cameraFor(std::optional<CameraModel> model, int width,
-                                                    int height, FactoryComparison* result) const {
+// Says in `problem` why there is none.
+std::optional<Camera> FactoryCalibration::read(std::optional<CameraModel> model,
+                                               std::string* problem) const {
   if (!newest_) {
-    *result = {FactoryVerdict::kNoMessage,
-               "No factory calibration has come on " + topic_ +
-                   ": does the camera's driver publish a CameraInfo, and is the name right?",
-               {}};
+    *problem = "No factory calibration has come on " + topic_ +
+               ": does the camera's driver publish a CameraInfo, and is the name right?";
     return std::nullopt;
   }
   if (!(newest_->K[0] > 0.0)) {
-    *result = {FactoryVerdict::kUncalibrated,
-               "The factory calibration on " + topic_ + " is empty: its K is zero.",
-               {}};
+    *problem = "The factory calibration on " + topic_ + " is empty: its K is zero.";
     return std::nullopt;
   }
   const std::optional<Camera> camera = toWindowedCamera(*newest_, model);
   if (!camera) {
-    *result = {FactoryVerdict::kUnusable,
-               "The factory calibration on " + topic_ +
-                   " cannot be read: its distortion model is '" + newest_->distortion_model +
-                   "' with " + std::to_string(newest_->D.size()) + " coefficients.",
-               {}};
-    return std::nullopt;
+    *problem = "The factory calibration on " + topic_ +
+               " cannot be read: its distortion model is '" + newest_->distortion_model +
+               "' with " + std::to_string(newest_->D.size()) + " coefficients.";
   }
-  if (camera->width() == width && camera->height() == height) return camera;
-  *result = {FactoryVerdict::kUnusable,
-             "The factory calibration on " + topic_ + " is for images of " +
-                 sizeText(camera->width(), camera->height()) + ", but they are " +
-                 sizeText(width, height) + ".",
-             {}};
-  return std::nullopt;
+  return camera;
 }
 
-void FactoryCalibration::compare() {
-  FactoryComparison result;
+void FactoryCalibration::judge() {
+  audit_ = FactoryAudit();
   const Camera& live = report_.camera;
-  if (newest_ && live.width() == 0) {
-    comparison_ = {FactoryVerdict::kWaiting, "A factory calibration has come; no image yet.", {}};
-    return;
-  }
-  const std::optional<Camera> factory =
-      cameraFor(live.model(), live.width(), live.height(), &result);
-  if (factory && report_.state != CalibrationState::kConverged) {
-    result = {FactoryVerdict::kWaiting,
-              "The factory calibration will be compared when the live one has CONVERGED.",
-              {}};
-  } else if (factory) {
-    result.distance = pixelDistance(live, *factory);
-    const double significant = kSignificant * report_.uncertainty.rms;
-    const bool differs = result.distance.rms > warn_px_ && !(result.distance.rms <= significant);
-    result.verdict = differs ? FactoryVerdict::kDiffers : FactoryVerdict::kAgrees;
-    const std::string figures = describe(result.distance, report_.uncertainty);
-    result.sentence =
-        differs
-            ? "The factory calibration is off by " + figures +
-                  ": the lens was changed or moved, or it never fitted. Commit the live "
-                  "calibration to the driver, or calibrate again."
-            : "The factory calibration agrees with the live one: they differ by " + figures + ".";
-  }
-  comparison_ = result;
+  const auto model = live.width() > 0 ? std::optional(live.model()) : std::nullopt;
+  const std::optional<Camera> factory = read(model, &audit_.sentence);
+  if (!factory) return;
+  audit_.usable = true;
+  audit_.audit = camera_self_calibration::audit(*factory, report_, options_);
+  history_.date(report_, &audit_.audit);
+  audit_.sentence = sentenceOf(audit_.audit);
 }
 
 }  // namespace camera_self_calibration

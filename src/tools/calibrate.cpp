@@ -4,6 +4,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "camera_self_calibration/audit/audit_history.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/ros/input_monitor.h"
 #include "camera_self_calibration/tools/progress.h"
@@ -71,6 +72,20 @@ Callbacks recordInto(Recording* recording) {
   return callbacks;
 }
 
+/// Audits at each new estimate, so that a calibration that ceases to be right is dated.
+void auditInto(const AuditOptions& options, AuditHistory* history, Recording* recording,
+               Callbacks* callbacks) {
+  const auto record = callbacks->calibration;
+  callbacks->calibration = [=](const CalibrationReport& report) {
+    const bool news =
+        recording->reports.empty() || report.revision != recording->reports.back().revision;
+    record(report);
+    if (recording->audit && !news) return;
+    recording->audit = audit(*recording->audited, report, options);
+    history->date(report, &*recording->audit);
+  };
+}
+
 /// Lets a batch watch what the recording hears.
 void watch(const Options& options, BatchComparer* batch, const ImageView** image,
            Callbacks* callbacks) {
@@ -114,9 +129,12 @@ void checkSize(const std::optional<Camera>& camera, const char* what, const Imag
 Recording calibrate(ImageSource* source, const Options& options, const CalibrateExtras& extras) {
   Recording recording;
   recording.reference = extras.reference;
+  recording.audited = extras.audited;
   BatchComparer batch(options);
   const ImageView* view = nullptr;
+  AuditHistory history;
   Callbacks callbacks = recordInto(&recording);
+  if (extras.audited) auditInto(extras.audit, &history, &recording, &callbacks);
   if (extras.batch) watch(options, &batch, &view, &callbacks);
   SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
   std::unique_ptr<SelfCalibrator> held;

@@ -17,7 +17,29 @@ namespace camera_self_calibration {
 namespace {
 
 // And that of runProgram.
-enum ExitCode { kConverged = 0, kNotConverged = 2, kNoImages = 3, kInterrupted = 4 };
+enum ExitCode {
+  kConverged = 0,
+  kNotConverged = 2,
+  kNoImages = 3,
+  kInterrupted = 4,
+  // In place of the first two where a calibration is audited; GOOD is 0.
+  kWrong = 5,
+  kCannotTell = 6
+};
+
+int exitCode(const Recording& recording) {
+  if (recording.audit) {
+    switch (recording.audit->verdict) {
+      case AuditVerdict::kGood:
+        return kConverged;
+      case AuditVerdict::kWrong:
+        return kWrong;
+      case AuditVerdict::kCannotTell:
+        return kCannotTell;
+    }
+  }
+  return recording.final_report.state == CalibrationState::kConverged ? kConverged : kNotConverged;
+}
 
 void write(const CalibrateBagArguments& arguments, const std::string& name,
            const Recording& recording, const TrajectoryResults& trajectory) {
@@ -66,7 +88,7 @@ int run(const CalibrateBagArguments& arguments) {
               << '\n';
     return kInterrupted;
   }
-  return recording.final_report.state == CalibrationState::kConverged ? kConverged : kNotConverged;
+  return exitCode(recording);
 }
 
 }  // namespace

@@ -21,7 +21,8 @@ constexpr const char* kUsage =
     "  calibrate_bag BAG|FOLDER|VIDEO [--model fov] [--out DIR] [options]\n"
     "\n"
     "Exit code: 0 converged, 2 ran but did not converge, 1 error, 3 no images,\n"
-    "4 interrupted (Ctrl-C, SIGTERM): what is known so far is written and marked as partial.\n";
+    "4 interrupted (Ctrl-C, SIGTERM): what is known so far is written and marked as partial.\n"
+    "With --audit: 0 GOOD, 5 WRONG, 6 CANNOT TELL.\n";
 
 po::options_description description(CalibrateBagArguments* arguments) {
   Options& options = arguments->options;
@@ -49,6 +50,13 @@ po::options_description description(CalibrateBagArguments* arguments) {
      "figures into the folder of --out")
     ("reference-calibration", po::value<std::string>(),
      "a known calibration (file as --initial): run a second time with it held and compare")
+    ("audit", po::value<std::string>(),
+     "a calibration (any format that convert_calibration reads): is it still right? GOOD, WRONG with "
+     "the likely cause, or CANNOT TELL with the motion that would")
+    ("audit-camera", po::value<std::string>(), "which camera of the --audit file, if there are several")
+    ("audit-tolerance", po::value(&arguments->extras.audit.tolerance_px)->default_value(
+         arguments->extras.audit.tolerance_px),
+     "what the --audit calibration may be off where features are [px rms]")
     ("ground-truth", po::value<std::string>(),
      "poses of the camera (TUM format: t tx ty tz qx qy qz qw): report ATE and RPE")
     ("max-features", po::value(&options.tracker.max_features)->default_value(
@@ -132,11 +140,27 @@ void checkOptions(const Options& options) {
   throw std::runtime_error(text);
 }
 
+void readAudited(const po::variables_map& given, CalibrateExtras* extras) {
+  if (!(extras->audit.tolerance_px > 0.0)) {
+    throw std::runtime_error("--audit-tolerance must be positive");
+  }
+  const bool named = given.count("audit-camera") > 0;
+  if (given.count("audit") > 0) {
+    extras->audited =
+        readCalibration(given["audit"].as<std::string>(), std::nullopt,
+                        named ? given["audit-camera"].as<std::string>() : std::string())
+            .stored.camera;
+  } else if (named) {
+    throw std::runtime_error("--audit-camera needs a file: give --audit CALIBRATION");
+  }
+}
+
 void readComparisons(const po::variables_map& given, CalibrateBagArguments* arguments) {
   if (given.count("reference-calibration") > 0) {
     arguments->extras.reference =
         readCalibrationFile(given["reference-calibration"].as<std::string>());
   }
+  readAudited(given, &arguments->extras);
   if (given.count("ground-truth") > 0) {
     arguments->ground_truth = readGroundTruth(given["ground-truth"].as<std::string>());
   }

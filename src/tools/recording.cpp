@@ -76,6 +76,22 @@ std::string observedJson(const ObservedReport& observed) {
                        {"unseen_corners", json::string(observed.unseen_corners)}});
 }
 
+std::string auditJson(const AuditReport& audit) {
+  return json::object({{"verdict", json::string(toString(audit.verdict))},
+                       {"sentence", json::string(audit.sentence())},
+                       {"hint", json::string(audit.hint)},
+                       {"distance_px", json::number(audit.distance_px)},
+                       {"sigma_px", json::number(audit.sigma_px)},
+                       {"tolerance_px", json::number(audit.tolerance_px)},
+                       {"p_value", json::number(audit.p_value)},
+                       {"axis_deg", json::number(audit.axis_deg)},
+                       {"axis_sigma_deg", json::number(audit.axis_sigma_deg)},
+                       {"refused_share", json::number(audit.refused)},
+                       {"where", json::string(audit.where)},
+                       {"likely_cause", json::string(toString(audit.cause))},
+                       {"since_stamp", audit.since_ns ? json::seconds(*audit.since_ns) : "null"}});
+}
+
 std::string eventsJson(const std::vector<Event>& events) {
   std::vector<std::string> values;
   values.reserve(events.size());
@@ -214,6 +230,7 @@ std::string summaryJson(const Recording& recording, const std::vector<json::Memb
       {"lens_fit", lensFitJson(report.lens_fit)},
       {"models", modelsJson(report.models)},
       {"events", eventsJson(recording.events)}};
+  if (recording.audit) members.emplace_back("audit", auditJson(*recording.audit));
   members.insert(members.end(), extra.begin(), extra.end());
   return json::object(members) + "\n";
 }

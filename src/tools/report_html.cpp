@@ -5,7 +5,8 @@
 
 #include "batch_figures.h"
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/camera/pixel_difference.h"
+#include "camera_self_calibration/plotting/difference_chart.h"
 #include "camera_self_calibration/plotting/palette.h"
 #include "camera_self_calibration/plotting/teaching_chart.h"
 #include "html_page.h"
@@ -85,6 +86,29 @@ void addHead(const std::string& source_name, const Recording& recording, HtmlPag
                  {std::to_string(recording.frames), "images"},
                  {std::to_string(recording.keyframes), "keyframes"},
                  {std::to_string(observationsOf(recording)), "observations in the queue"}});
+}
+
+Colour auditColour(AuditVerdict verdict) {
+  return stateColour(verdict == AuditVerdict::kGood    ? CalibrationState::kConverged
+                     : verdict == AuditVerdict::kWrong ? CalibrationState::kDegenerate
+                                                       : CalibrationState::kInitializing);
+}
+
+void addAudit(const Recording& recording, HtmlPage* page) {
+  if (!recording.audit) return;
+  const AuditReport& audit = *recording.audit;
+  page->section("Is the calibration in question still right?");
+  page->verdict(toString(audit.verdict), cssColour(auditColour(audit.verdict)),
+                asSentence(audit.sentence()) + " " + asSentence(audit.hint));
+  const Camera& lens = recording.final_report.camera;
+  const PixelDifference difference =
+      pixelDifference(lens, Camera(recording.audited->model(), lens.width(), lens.height(),
+                                   recording.audited->parameters()));
+  if (!std::isfinite(audit.distance_px) || !std::isfinite(difference.error.rms)) return;
+  page->paragraph(
+      "Over the whole image, from where the video sees a ray to where the calibration in "
+      "question does:");
+  page->pictures({{drawDifference(lens, difference), ""}});
 }
 
 const Camera* sameModel(const std::optional<Camera>& reference, const Camera& camera) {
@@ -245,6 +269,7 @@ std::string reportHtml(const std::string& source_name, const Recording& recordin
                        const std::vector<StampedCameraPose>& ground_truth) {
   HtmlPage page("Camera calibration from motion");
   addHead(source_name, recording, &page);
+  addAudit(recording, &page);
   addParameters(recording, &page);
   addTrust(recording, &page);
   addConvergence(recording, &page);

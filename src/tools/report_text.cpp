@@ -24,6 +24,12 @@ void writeParameters(const CalibrationReport& report, std::ostream& text) {
   }
 }
 
+std::string auditText(const AuditReport& audit) {
+  std::string text = "audit: " + toString(audit.verdict) + ": " + asSentence(audit.sentence());
+  if (!audit.hint.empty()) text += " " + asSentence(audit.hint);
+  return text + '\n';
+}
+
 }  // namespace
 
 std::string reportText(const Recording& recording) {
@@ -47,6 +53,7 @@ std::string reportText(const Recording& recording) {
   text << std::setprecision(1) << "  " << recording.frames << " frames, " << recording.keyframes
        << " keyframes in " << recording.processing_seconds << " s ("
        << static_cast<double>(recording.frames) / recording.processing_seconds << " fps)\n";
+  if (recording.audit) text << auditText(*recording.audit);
   return text.str();
 }
 

@@ -66,8 +66,9 @@ struct BackEndState {
   LensFit lens_fit;
   HealthVerdict health;
   Counters counters;
-  int swaps = 0;            ///< Changes of the queue since the start.
-  std::string last_change;  ///< Of the lens, in words; empty if there was none.
+  int swaps = 0;                    ///< Changes of the queue since the start.
+  std::string last_change;          ///< Of the lens, in words; empty if there was none.
+  std::int64_t last_change_ns = 0;  ///< When it began.
 
   std::int64_t stamp_ns = 0;    ///< Of the newest keyframe.
   std::int64_t keyframes = 0;   ///< Seen so far.

@@ -2,11 +2,13 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/image_weights.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/geometry/rigid3.h"
 #include "camera_self_calibration/geometry/similarity.h"
@@ -86,6 +88,8 @@ struct ObservedReport {
   double share = 0.0;                              ///< Of the part of the image that sees, 0 to 1.
   PixelError uncertainty = PixelError::unknown();  ///< There, as the whole image's [px].
   std::string unseen_corners;                      ///< In words; empty where there is none.
+  /// Of the queue's observations; null before hand-over.
+  std::shared_ptr<const ImageWeights> features;
 };
 
 /// What is known of the intrinsics.
@@ -96,6 +100,9 @@ struct CalibrationReport {
   std::string hint;      ///< Which motion would help; empty if none is needed.
   Camera camera;
   IntrinsicsMatrix covariance;  ///< n_c x n_c; empty until there is an estimate.
+  /// Degrees of freedom of the disagreement between segments that the covariance was made larger
+  /// by; 0: it was not.
+  int scatter_freedom = 0;
   /// Expected error over the image [px]: of noise, of what halves of the video disagree beyond it,
   /// and of the lens model's misfit. Infinite until there is an estimate.
   PixelError uncertainty;
@@ -105,10 +112,11 @@ struct CalibrationReport {
   std::uint64_t epoch = 0;     ///< Grows with each change of the physical camera.
   /// Of the newest test whether the lens is still the same; 1 where there was none.
   double change_p_value = 1.0;
-  std::string last_change;     ///< What the last change of the lens was; empty if there was none.
-  bool handed_over = false;    ///< From the startup batch to the queue.
-  bool frozen = false;         ///< Kept as it is on request.
-  std::int64_t keyframes = 0;  ///< Seen so far.
+  std::string last_change;  ///< What the last change of the lens was; empty if there was none.
+  std::int64_t last_change_ns = 0;  ///< When it began.
+  bool handed_over = false;         ///< From the startup batch to the queue.
+  bool frozen = false;              ///< Kept as it is on request.
+  std::int64_t keyframes = 0;       ///< Seen so far.
   QueueReport queue;
   ShutterReport shutter;
   CrossValidation cross_validation;

@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/image_field.h"
+#include "camera_self_calibration/camera/image_weights.h"
 #include "camera_self_calibration/queue/candidate_window.h"
 
 namespace camera_self_calibration {
@@ -13,6 +14,9 @@ namespace camera_self_calibration {
 /// most one and a half grid spacings away. Elsewhere the lens model alone tells where rays go.
 ImageField observedArea(const std::vector<Candidate>& queue, const Camera& camera,
                         const ImageField& seeing);
+
+/// How many observations of these segments lie in each part of the image.
+ImageWeights featureWeights(const std::vector<Candidate>& queue, const Camera& camera);
 
 /// Corners that see and that no feature ever reached, in words: "the upper left corner was never
 /// seen"; empty if there is none.

@@ -7,34 +7,25 @@
 #include <optional>
 #include <string>
 
+#include "camera_self_calibration/audit/audit_history.h"
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/ros/sensor_window.h"
 
 namespace camera_self_calibration {
 
-/// What the comparison with the factory calibration came to.
-enum class FactoryVerdict {
-  kNoMessage,     ///< No CameraInfo has come.
-  kUncalibrated,  ///< Its K is zero.
-  kUnusable,      ///< Another image size, an unknown distortion model, an impossible region.
-  kWaiting,       ///< The live calibration is not CONVERGED yet.
-  kAgrees,
-  kDiffers
+/// What the driver's calibration is worth.
+struct FactoryAudit {
+  bool usable = false;   ///< One that can be read has come.
+  AuditReport audit;     ///< What the live calibration says of it, if so.
+  std::string sentence;  ///< For people, with what to do.
 };
 
-struct FactoryComparison {
-  FactoryVerdict verdict = FactoryVerdict::kNoMessage;
-  std::string sentence;  ///< The verdict in words, with what to do.
-  PixelError distance;   ///< With kAgrees and kDiffers: live against factory, rotation-compensated.
-};
-
-/// Listens to the CameraInfo that the camera's driver publishes: a start for the calibration, a
-/// yardstick for it, and what is known of binning and region of interest. Thread-safe.
+/// Listens to the CameraInfo that the camera's driver publishes: a start for the calibration, what
+/// is audited by it, and what is known of binning and region of interest. Thread-safe.
 class FactoryCalibration {
  public:
-  /// `topic` is resolved. Differences above `warn_px` [px rms] that are significant too are worth a
-  /// warning.
-  FactoryCalibration(std::string topic, double warn_px);
+  /// `topic` is resolved. `tolerance_px` as in AuditOptions.
+  FactoryCalibration(std::string topic, double tolerance_px);
 
   void subscribe(ros::NodeHandle node);
   void shutdown();
@@ -55,21 +46,21 @@ class FactoryCalibration {
   /// The newest live calibration.
   void update(const CalibrationReport& report);
 
-  FactoryComparison comparison() const;
+  FactoryAudit audit() const;
 
  private:
-  std::optional<Camera> cameraFor(std::optional<CameraModel> model, int width, int height,
-                                  FactoryComparison* result) const;
-  void compare();
+  std::optional<Camera> read(std::optional<CameraModel> model, std::string* problem) const;
+  void judge();
 
   const std::string topic_;
-  const double warn_px_;
+  const AuditOptions options_;
   ros::Subscriber subscriber_;
 
   mutable std::mutex mutex_;
   std::optional<sensor_msgs::CameraInfo> newest_;  // Without header.
   CalibrationReport report_;
-  FactoryComparison comparison_;
+  AuditHistory history_;  // of newest_
+  FactoryAudit audit_;
 };
 
 }  // namespace camera_self_calibration

@@ -22,7 +22,7 @@ struct NodeOptions {
   std::string image_transport = "auto";   ///< raw | compressed | auto.
   std::string mask_url;                   ///< Image, black where no feature may be; empty: none.
   std::string camera_info_input = "off";  ///< off | initial | compare.
-  double factory_warn_px = 1.0;  ///< A factory calibration further off is a warning [px rms].
+  double factory_warn_px = 1.0;  ///< What a factory calibration may be off (AuditOptions) [px rms].
   std::string world_frame = "selfcal_map";  ///< Of poses; its origin and scale are arbitrary.
   std::string child_frame;                  ///< Empty: the frame_id of the images.
   bool publish_tf = true;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "camera_self_calibration/audit/audit.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/tools/image_source.h"
 #include "camera_self_calibration/tools/recording.h"
@@ -13,7 +14,9 @@ namespace camera_self_calibration {
 /// What to do beside the calibration itself, on the same images.
 struct CalibrateExtras {
   std::optional<Camera> reference;  ///< Held in a second run, whose poses are recorded.
-  bool batch = false;               ///< Whole-trajectory batch at intervals, queues of other sizes.
+  std::optional<Camera> audited;    ///< Held against what the video says; of any image size.
+  AuditOptions audit;
+  bool batch = false;  ///< Whole-trajectory batch at intervals, queues of other sizes.
   /// Asked before each image; the run ends where it says true. May be empty.
   std::function<bool()> stop;
 };

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "camera_self_calibration/audit/audit.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/reference/trajectory_comparison.h"
@@ -34,6 +35,9 @@ struct Recording {
   CalibrationReport final_report;  ///< After the last image.
   /// The queue at the end, which the final report rests on; null before hand-over.
   std::shared_ptr<const LearntState> learnt;
+
+  std::optional<Camera> audited;     ///< A calibration in question, if given,
+  std::optional<AuditReport> audit;  ///< and what the video says of it at the end.
 
   std::optional<Camera> reference;         ///< A calibration to compare with, if given.
   std::vector<TimedPose> reference_poses;  ///< Of a second run that held it.

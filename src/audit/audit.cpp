@@ -1,0 +1,209 @@
+#include "camera_self_calibration/audit/audit.h"
+
+#include <array>
+#include <cmath>
+
+#include "camera_self_calibration/base/distributions.h"
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/estimate_distance.h"
+#include "camera_self_calibration/queue/weak_directions.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// Models err most where they extrapolate, and there are the fewest features: what the outermost
+// ones say is told apart.
+constexpr double kInnerShare = 0.95;
+// Of the tolerance. What is accepted is certain to three sigma to be less than twice the tolerance
+// off.
+constexpr double kMaxSigma = 1.0 / 3.0;
+
+// What is known of the lens.
+struct Evidence {
+  Camera lens;
+  IntrinsicsMatrix covariance;
+  double misfit_px = 0.0;  // of the lens model, which the covariance leaves out
+  int freedom = 0;
+};
+
+Evidence evidenceOf(const CalibrationReport& live) {
+  const double inflation = live.cross_validation.inflation();
+  return {live.camera, inflation * inflation * live.covariance, live.lens_fit.misfit_observed.rms,
+          live.scatter_freedom};
+}
+
+EstimateDistance distanceOf(const Camera& calibration, const Evidence& evidence,
+                            const ImageWeights& weights) {
+  EstimateDistance distance =
+      distanceFromEstimate(evidence.lens, evidence.covariance, calibration, weights);
+  distance.sigma_px = std::hypot(distance.sigma_px, evidence.misfit_px);
+  return distance;
+}
+
+// Probability of so much beyond the limit by chance: one-sided, Student's where the scatter of the
+// segments had to be estimated.
+double byChance(double value, double sigma, double limit, int freedom) {
+  if (!std::isfinite(value) || !(sigma > 0.0)) return value > limit ? 0.0 : 1.0;
+  const double t = (value - limit) / sigma;
+  const double both =
+      freedom > 0 ? fExceedance(t * t, 1.0, freedom) : chiSquareExceedance(t * t, 1.0);
+  return t > 0.0 ? 0.5 * both : 1.0 - 0.5 * both;
+}
+
+double pValue(const EstimateDistance& distance, const Evidence& evidence,
+              const AuditOptions& options) {
+  if (distance.refused > kNegligibleRim) return 0.0;
+  return std::min(
+      byChance(distance.px(), distance.sigma_px, options.tolerance_px, evidence.freedom),
+      byChance(distance.axis_deg, distance.axis_sigma_deg, options.axis_tolerance_deg,
+               evidence.freedom));
+}
+
+// In the image's thirds.
+std::string whereMost(const EstimateDistance& distance, const Camera& lens) {
+  static const char* const kNames[] = {"upper left", "upper edge", "upper right",
+                                       "left edge",  "centre",     "right edge",
+                                       "lower left", "lower edge", "lower right"};
+  struct Part {
+    double weight = 0.0;
+    double squares = 0.0;
+    double meanSquare() const { return weight > 0.0 ? squares / weight : 0.0; }
+  };
+  std::array<Part, 9> parts;
+  for (const EstimateDistance::Point& point : distance.points) {
+    const int column = std::min(2, static_cast<int>(3.0 * point.pixel.x() / lens.width()));
+    const int row = std::min(2, static_cast<int>(3.0 * point.pixel.y() / lens.height()));
+    Part& part = parts[static_cast<std::size_t>(3 * row + column)];
+    part.weight += point.weight;
+    part.squares += point.weight * point.offset.squaredNorm();
+  }
+  std::size_t worst = 0;
+  for (std::size_t i = 1; i < parts.size(); ++i) {
+    if (parts[i].meanSquare() > parts[worst].meanSquare()) worst = i;
+  }
+  return formatted("%s (%.1f px rms)", kNames[worst], std::sqrt(parts[worst].meanSquare()));
+}
+
+std::string beyondMost(const Camera& calibration, const Evidence& evidence,
+                       const ImageWeights& outer, double radius_px, const AuditOptions& options) {
+  if (!(outer.sum() > 0.0)) return "";
+  const EstimateDistance distance = distanceOf(calibration, evidence, outer);
+  if (!(pValue(distance, evidence, options) < options.chance)) return "";
+  const std::string place =
+      formatted("beyond %.0f px from the centre, where few features are, ", radius_px);
+  return place + (distance.refused > kNegligibleRim
+                      ? formatted("%.0f %% of the image have no ray", 100.0 * distance.refused)
+                      : formatted("it is %.1f px rms off", distance.px()));
+}
+
+void findCause(const Camera& calibration, const Evidence& evidence, const ImageWeights& inner,
+               const AuditOptions& options, AuditReport* report) {
+  const auto fits = [&](const Camera& camera) {
+    return !(pValue(distanceOf(camera, evidence, inner), evidence, options) < options.chance);
+  };
+  const CauseFound found = likelyCause(calibration, evidence.lens, inner, fits);
+  report->cause = found.cause;
+  report->cause_sentence = found.sentence;
+}
+
+// Why it is neither GOOD nor WRONG.
+void explainDoubt(const Evidence& evidence, double max_sigma_px, AuditReport* report) {
+  if (!(report->sigma_px <= max_sigma_px)) {
+    report->reason = formatted(
+        "the video tells the lens to %.2f px only where features are, and %.2f px are needed",
+        report->sigma_px, max_sigma_px);
+  } else {
+    report->reason = "it is at the limit of what is tolerable";
+  }
+  const auto information = covarianceFromInformation(evidence.covariance);
+  report->hint = weakestDirection(information.value_or(IntrinsicsMatrix()), evidence.lens).hint;
+}
+
+AuditReport nothingKnown(const CalibrationReport& live, const AuditOptions& options) {
+  AuditReport report;
+  report.tolerance_px = options.tolerance_px;
+  report.reason = "the video has not told the lens yet";
+  report.hint =
+      live.hint.empty() ? "move the camera about and turn it about several axes" : live.hint;
+  return report;
+}
+
+std::string chanceText(double p) {
+  return p < 1e-6 ? std::string("p < 1e-6") : formatted("p = %.2g", p);
+}
+
+std::string offText(const AuditReport& report) {
+  return formatted("%.2f +- %.2f px rms off where features are (tolerance %.2f px, ",
+                   report.distance_px, report.sigma_px, report.tolerance_px) +
+         chanceText(report.p_value) + ")";
+}
+
+}  // namespace
+
+std::string toString(AuditVerdict verdict) {
+  const char* const names[] = {"GOOD", "WRONG", "CANNOT_TELL"};
+  return names[static_cast<int>(verdict)];
+}
+
+AuditReport audit(const Camera& calibration, const CalibrationReport& live,
+                  const AuditOptions& options) {
+  if (!live.handed_over || !live.observed.features || live.covariance.size() == 0) {
+    return nothingKnown(live, options);
+  }
+  const Evidence evidence = evidenceOf(live);
+  const Eigen::Vector2d centre = live.camera.parameters().segment<2>(2);
+  const double radius_px = live.observed.features->radiusHolding(kInnerShare, centre);
+  const ImageWeights inner = live.observed.features->within(radius_px, centre);
+  const EstimateDistance distance = distanceOf(calibration, evidence, inner);
+  const bool same_size =
+      calibration.width() == live.camera.width() && calibration.height() == live.camera.height();
+  AuditReport report;
+  report.tolerance_px = options.tolerance_px;
+  report.distance_px = distance.px();
+  report.sigma_px = distance.sigma_px;
+  report.axis_deg = distance.axis_deg;
+  report.axis_sigma_deg = distance.axis_sigma_deg;
+  report.refused = distance.refused;
+  report.p_value = same_size ? pValue(distance, evidence, options) : 0.0;
+  if (!same_size) {
+    report.reason = "it is for images of " + sizeText(calibration.width(), calibration.height()) +
+                    ", but these are " + sizeText(live.camera.width(), live.camera.height());
+  }
+  const double max_sigma_px = kMaxSigma * options.tolerance_px;
+  if (report.p_value < options.chance) {
+    report.verdict = AuditVerdict::kWrong;
+    report.where = whereMost(distance, live.camera);
+    findCause(calibration, evidence, inner, options, &report);
+  } else if (report.distance_px <= options.tolerance_px && report.sigma_px <= max_sigma_px) {
+    report.verdict = AuditVerdict::kGood;
+    report.beyond =
+        beyondMost(calibration, evidence, live.observed.features->beyond(radius_px, centre),
+                   radius_px, options);
+  } else {
+    explainDoubt(evidence, max_sigma_px, &report);
+  }
+  return report;
+}
+
+std::string AuditReport::sentence() const {
+  if (verdict == AuditVerdict::kCannotTell) {
+    return reason + (std::isfinite(distance_px) ? " (" + offText(*this) + ")" : std::string());
+  }
+  if (verdict == AuditVerdict::kGood) {
+    return "the calibration is right: " + offText(*this) + (beyond.empty() ? "" : "; " + beyond);
+  }
+  std::string text = reason.empty() ? "the calibration is " + offText(*this) : reason;
+  if (refused > kNegligibleRim) {
+    text += formatted("; it has no ray for %.0f %% of the features", 100.0 * refused);
+  }
+  if (!where.empty()) text += "; most in the " + where;
+  if (axis_deg > 3.0 * axis_sigma_deg) {
+    text +=
+        formatted("; its optical axis is off by %.2f +- %.2f degrees", axis_deg, axis_sigma_deg);
+  }
+  text += since_ns ? formatted("; since %.3f s", 1e-9 * static_cast<double>(*since_ns))
+                   : std::string("; all along");
+  return text + "; likely cause: " + cause_sentence;
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,258 @@
+#include "camera_self_calibration/audit/likely_cause.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "camera_self_calibration/base/formatted.h"
+
+namespace camera_self_calibration {
+namespace {
+
+using Column = Intrinsics;  // how one free value changes the parameters
+using Fits = std::function<bool(const Camera&)>;
+
+struct Sample {
+  Eigen::Vector2d pixel;
+  Eigen::Vector3d ray;
+  double weight;
+};
+
+std::vector<Sample> samplesOf(const Camera& estimate, const ImageWeights& weights) {
+  std::vector<Sample> samples;
+  for (int row = 0; row < ImageField::kRows; ++row) {
+    for (int column = 0; column < ImageField::kColumns; ++column) {
+      if (!(weights.of(column, row) > 0.0)) continue;
+      const Eigen::Vector2d pixel =
+          ImageField::pixel(column, row, estimate.width(), estimate.height());
+      const auto ray = estimate.unproject(pixel);
+      if (ray) samples.push_back({pixel, *ray, weights.of(column, row)});
+    }
+  }
+  return samples;
+}
+
+struct Step {
+  double cost = std::numeric_limits<double>::infinity();
+  Eigen::VectorXd values;  // of the columns, Gauss-Newton
+};
+
+// No rotation is removed: it would hide where the principal point is.
+Step stepOf(const Camera& camera, const std::vector<Sample>& samples,
+            const std::vector<Column>& columns) {
+  const auto count = static_cast<Eigen::Index>(columns.size());
+  Eigen::MatrixXd change(camera.parameterCount(), count);
+  for (Eigen::Index i = 0; i < count; ++i) change.col(i) = columns[static_cast<std::size_t>(i)];
+  Eigen::MatrixXd h = Eigen::MatrixXd::Zero(count, count);
+  Eigen::VectorXd g = Eigen::VectorXd::Zero(count);
+  double sum = 0.0;
+  double projected = 0.0;
+  for (const Sample& sample : samples) {
+    Eigen::Vector2d pixel;
+    PixelIntrinsicsJacobian d_parameters;
+    if (!camera.project(sample.ray, &pixel, nullptr, &d_parameters)) continue;
+    const Eigen::MatrixXd j = d_parameters * change;
+    const Eigen::Vector2d residual = pixel - sample.pixel;
+    h += sample.weight * j.transpose() * j;
+    g += sample.weight * j.transpose() * residual;
+    sum += sample.weight * residual.squaredNorm();
+    projected += sample.weight;
+  }
+  Step step;
+  if (projected > 0.0) step.cost = sum / projected;
+  step.values = -h.ldlt().solve(g);
+  return step;
+}
+
+// The values of the columns that bring the camera closest to what the samples say.
+Camera fitted(Camera camera, const std::vector<Sample>& samples,
+              const std::vector<Column>& columns) {
+  constexpr int kSteps = 20;
+  constexpr double kGain = 1e-6;  // of the cost, below which it has settled
+  Step step = stepOf(camera, samples, columns);
+  for (int i = 0; i < kSteps && step.values.allFinite(); ++i) {
+    Intrinsics parameters = camera.parameters();
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      parameters += step.values(static_cast<Eigen::Index>(k)) * columns[k];
+    }
+    Camera next = camera;
+    next.setParameters(parameters);
+    const Step after = stepOf(next, samples, columns);
+    if (!next.valid() || !(after.cost < step.cost)) break;
+    camera = next;
+    const bool settled = after.cost > (1.0 - kGain) * step.cost;
+    step = after;
+    if (settled) break;
+  }
+  return camera;
+}
+
+Column unit(const Camera& camera, int parameter) {
+  return Column::Unit(camera.parameterCount(), parameter);
+}
+
+std::vector<Column> focalColumns(const Camera& camera) {
+  Column column = Column::Zero(camera.parameterCount());
+  column.head<2>() = camera.parameters().head<2>();
+  return {column};
+}
+
+std::vector<Column> centreColumns(const Camera& camera) {
+  return {unit(camera, 2), unit(camera, 3)};
+}
+
+std::vector<Column> distortionColumns(const Camera& camera) {
+  std::vector<Column> columns;
+  for (int i = 4; i < camera.parameterCount(); ++i) columns.push_back(unit(camera, i));
+  return columns;
+}
+
+std::vector<Column> joined(std::vector<Column> a, const std::vector<Column>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+// Pixel centres lie at integer coordinates.
+Camera scaled(const Camera& camera, double factor) {
+  Intrinsics p = camera.parameters();
+  p.head<2>() *= factor;
+  p.segment<2>(2) = (p.segment<2>(2).array() + 0.5) * factor - 0.5;
+  Camera result = camera;
+  result.setParameters(p);
+  return result;
+}
+
+Camera withModel(const Camera& camera, CameraModel model, const Intrinsics& parameters) {
+  return Camera(model, camera.width(), camera.height(), parameters);
+}
+
+std::optional<CauseFound> ofResolution(const Camera& calibration, const Camera& estimate,
+                                       const Fits& fits) {
+  std::vector<double> factors = {0.5, 2.0, 0.25, 4.0};
+  const bool same_size = calibration.width() == estimate.width();
+  if (!same_size) {
+    factors.insert(factors.begin(), static_cast<double>(estimate.width()) / calibration.width());
+  }
+  for (const double factor : factors) {
+    const Camera camera = scaled(calibration, factor);
+    if (!fits(camera)) continue;
+    return CauseFound{LikelyCause::kResolution,
+                      formatted("another resolution or binning: with K for images %g times as "
+                                "large it fits",
+                                factor),
+                      camera};
+  }
+  return std::nullopt;
+}
+
+// The usual mistake: four coefficients of the one under the name of the other.
+std::optional<CauseFound> ofModel(const Camera& calibration, const Fits& fits) {
+  const bool radtan = calibration.model() == CameraModel::kRadtan;
+  if (!radtan && calibration.model() != CameraModel::kEquidistant) return std::nullopt;
+  const CameraModel other = radtan ? CameraModel::kEquidistant : CameraModel::kRadtan;
+  const Camera camera = withModel(calibration, other, calibration.parameters().head<8>());
+  if (!fits(camera)) return std::nullopt;
+  return CauseFound{LikelyCause::kModel,
+                    "the coefficients are those of " + toString(other) + ", but are given as " +
+                        toString(calibration.model()),
+                    camera};
+}
+
+std::optional<CauseFound> ofAxes(const Camera& calibration, const Fits& fits) {
+  Intrinsics p = calibration.parameters();
+  std::swap(p(0), p(1));
+  std::swap(p(2), p(3));
+  Camera camera = calibration;
+  camera.setParameters(p);
+  if (!fits(camera)) return std::nullopt;
+  return CauseFound{LikelyCause::kAxes, "x and y are swapped in K: the images were turned", camera};
+}
+
+std::string focalText(const Camera& calibration, const Camera& righted) {
+  const double ratio = calibration.parameters()(0) / righted.parameters()(0) - 1.0;
+  return formatted("the focal length is %.1f %% too %s", 100.0 * std::abs(ratio),
+                   ratio > 0.0 ? "long" : "short");
+}
+
+std::string centreText(const Camera& calibration, const Camera& righted) {
+  const Eigen::Vector2d off = (calibration.parameters() - righted.parameters()).segment<2>(2);
+  return formatted("the principal point is off by (%.1f, %.1f) px", off.x(), off.y());
+}
+
+// With free values, from the fewest on.
+std::optional<CauseFound> ofFreeValues(const Camera& calibration,
+                                       const std::vector<Sample>& samples, const Fits& fits) {
+  const Camera focal = fitted(calibration, samples, focalColumns(calibration));
+  if (fits(focal)) {
+    return CauseFound{LikelyCause::kFocalLength,
+                      focalText(calibration, focal) + ": focus or zoom changed", focal};
+  }
+  const Camera centre = fitted(calibration, samples, centreColumns(calibration));
+  if (fits(centre)) {
+    return CauseFound{LikelyCause::kPrincipalPoint,
+                      centreText(calibration, centre) +
+                          ": another camera's file, a lens that was moved, or another part of the "
+                          "sensor",
+                      centre};
+  }
+  const Camera both =
+      fitted(calibration, samples, joined(focalColumns(calibration), centreColumns(calibration)));
+  if (fits(both)) {
+    return CauseFound{LikelyCause::kBoth,
+                      focalText(calibration, both) + " and " + centreText(calibration, both) +
+                          ": another camera's file, or a lens that was exchanged",
+                      both};
+  }
+  return std::nullopt;
+}
+
+std::optional<CauseFound> ofDistortion(const Camera& calibration,
+                                       const std::vector<Sample>& samples, const Fits& fits) {
+  const bool has_none = calibration.model() == CameraModel::kPinhole;
+  Camera start = calibration;
+  if (has_none) {
+    Intrinsics p = Intrinsics::Zero(Camera::parameterCount(CameraModel::kRadtan));
+    p.head<4>() = calibration.parameters();
+    start = withModel(calibration, CameraModel::kRadtan, p);
+  }
+  const Camera camera = fitted(start, samples, distortionColumns(start));
+  if (!fits(camera)) return std::nullopt;
+  return CauseFound{LikelyCause::kDistortion,
+                    has_none ? "the distortion coefficients are missing"
+                             : "the distortion coefficients alone are wrong",
+                    camera};
+}
+
+}  // namespace
+
+std::string toString(LikelyCause cause) {
+  const char* const names[] = {"none",
+                               "resolution",
+                               "model",
+                               "axes",
+                               "focal_length",
+                               "principal_point",
+                               "focal_length_and_principal_point",
+                               "distortion",
+                               "unknown"};
+  return names[static_cast<int>(cause)];
+}
+
+CauseFound likelyCause(const Camera& calibration, const Camera& estimate,
+                       const ImageWeights& weights, const Fits& fits) {
+  const Camera start(calibration.model(), estimate.width(), estimate.height(),
+                     calibration.parameters());
+  if (auto found = ofResolution(calibration, estimate, fits)) return *found;
+  if (auto found = ofModel(start, fits)) return *found;
+  if (auto found = ofAxes(start, fits)) return *found;
+  const std::vector<Sample> samples = samplesOf(estimate, weights);
+  if (auto found = ofFreeValues(start, samples, fits)) return *found;
+  if (auto found = ofDistortion(start, samples, fits)) return *found;
+  return {LikelyCause::kUnknown, "none of the usual ones: another camera's file, or another lens",
+          calibration};
+}
+
+}  // namespace camera_self_calibration
