@@ -43,7 +43,8 @@ EstimateDistance distanceOf(const Camera& calibration, const Evidence& evidence,
 // Probability of so much beyond the limit by chance: one-sided, Student's where the scatter of the
 // segments had to be estimated.
 double byChance(double value, double sigma, double limit, int freedom) {
-  if (!std::isfinite(value) || !(sigma > 0.0)) return value > limit ? 0.0 : 1.0;
+  if (!std::isfinite(value)) return 1.0;
+  if (!(sigma > 0.0)) return value > limit ? 0.0 : 1.0;
   const double t = (value - limit) / sigma;
   const double both =
       freedom > 0 ? fExceedance(t * t, 1.0, freedom) : chiSquareExceedance(t * t, 1.0);
@@ -61,9 +62,9 @@ double pValue(const EstimateDistance& distance, const Evidence& evidence,
 
 // In the image's thirds.
 std::string whereMost(const EstimateDistance& distance, const Camera& lens) {
-  static const char* const kNames[] = {"upper left", "upper edge", "upper right",
-                                       "left edge",  "centre",     "right edge",
-                                       "lower left", "lower edge", "lower right"};
+  static const char* const kNames[] = {"at the upper left", "at the top",    "at the upper right",
+                                       "at the left",       "in the centre", "at the right",
+                                       "at the lower left", "at the bottom", "at the lower right"};
   struct Part {
     double weight = 0.0;
     double squares = 0.0;
@@ -155,6 +156,8 @@ AuditReport audit(const Camera& calibration, const CalibrationReport& live,
   const double radius_px = live.observed.features->radiusHolding(kInnerShare, centre);
   const ImageWeights inner = live.observed.features->within(radius_px, centre);
   const EstimateDistance distance = distanceOf(calibration, evidence, inner);
+  const bool blind = distance.refused > kNegligibleRim;
+  if (!std::isfinite(distance.found_px) && !blind) return nothingKnown(live, options);
   const bool same_size =
       calibration.width() == live.camera.width() && calibration.height() == live.camera.height();
   AuditReport report;
@@ -187,16 +190,20 @@ AuditReport audit(const Camera& calibration, const CalibrationReport& live,
 
 std::string AuditReport::sentence() const {
   if (verdict == AuditVerdict::kCannotTell) {
-    return reason + (std::isfinite(distance_px) ? " (" + offText(*this) + ")" : std::string());
+    return reason + (std::isfinite(distance_px) ? "; it is " + offText(*this) : std::string());
   }
   if (verdict == AuditVerdict::kGood) {
     return "the calibration is right: " + offText(*this) + (beyond.empty() ? "" : "; " + beyond);
   }
-  std::string text = reason.empty() ? "the calibration is " + offText(*this) : reason;
+  std::string text = reason;
+  if (text.empty()) {
+    text = std::isfinite(distance_px) ? "the calibration is " + offText(*this)
+                                      : "the calibration cannot be one of this lens";
+  }
   if (refused > kNegligibleRim) {
     text += formatted("; it has no ray for %.0f %% of the features", 100.0 * refused);
   }
-  if (!where.empty()) text += "; most in the " + where;
+  if (!where.empty()) text += "; most " + where;
   if (axis_deg > 3.0 * axis_sigma_deg) {
     text +=
         formatted("; its optical axis is off by %.2f +- %.2f degrees", axis_deg, axis_sigma_deg);

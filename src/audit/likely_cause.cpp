@@ -116,32 +116,45 @@ std::vector<Column> joined(std::vector<Column> a, const std::vector<Column>& b) 
 }
 
 // Pixel centres lie at integer coordinates.
-Camera scaled(const Camera& camera, double factor) {
+Camera scaled(const Camera& camera, const Camera& image, double factor) {
   Intrinsics p = camera.parameters();
   p.head<2>() *= factor;
   p.segment<2>(2) = (p.segment<2>(2).array() + 0.5) * factor - 0.5;
-  Camera result = camera;
-  result.setParameters(p);
-  return result;
+  return Camera(camera.model(), image.width(), image.height(), p);
 }
 
 Camera withModel(const Camera& camera, CameraModel model, const Intrinsics& parameters) {
   return Camera(model, camera.width(), camera.height(), parameters);
 }
 
+// What a calibration in question is judged by.
+struct Judge {
+  std::vector<Sample> samples;
+  const Fits& fits;
+
+  // Or would with a slightly other focal length: a mistake seldom meets a calibration that is
+  // right otherwise.
+  bool nearlyFits(const Camera& camera) const {
+    constexpr double kSlightly = 0.05;
+    if (fits(camera)) return true;
+    const Camera focal = fitted(camera, samples, focalColumns(camera));
+    const double factor = focal.parameters()(0) / camera.parameters()(0);
+    return std::abs(factor - 1.0) < kSlightly && fits(focal);
+  }
+};
+
 std::optional<CauseFound> ofResolution(const Camera& calibration, const Camera& estimate,
-                                       const Fits& fits) {
+                                       const Judge& judge) {
   std::vector<double> factors = {0.5, 2.0, 0.25, 4.0};
-  const bool same_size = calibration.width() == estimate.width();
-  if (!same_size) {
+  if (calibration.width() != estimate.width()) {
     factors.insert(factors.begin(), static_cast<double>(estimate.width()) / calibration.width());
   }
   for (const double factor : factors) {
-    const Camera camera = scaled(calibration, factor);
-    if (!fits(camera)) continue;
+    const Camera camera = scaled(calibration, estimate, factor);
+    if (!judge.nearlyFits(camera)) continue;
     return CauseFound{LikelyCause::kResolution,
-                      formatted("another resolution or binning: with K for images %g times as "
-                                "large it fits",
+                      formatted("another resolution or binning: K has to be that of images %g "
+                                "times as large",
                                 factor),
                       camera};
   }
@@ -149,25 +162,25 @@ std::optional<CauseFound> ofResolution(const Camera& calibration, const Camera& 
 }
 
 // The usual mistake: four coefficients of the one under the name of the other.
-std::optional<CauseFound> ofModel(const Camera& calibration, const Fits& fits) {
+std::optional<CauseFound> ofModel(const Camera& calibration, const Judge& judge) {
   const bool radtan = calibration.model() == CameraModel::kRadtan;
   if (!radtan && calibration.model() != CameraModel::kEquidistant) return std::nullopt;
   const CameraModel other = radtan ? CameraModel::kEquidistant : CameraModel::kRadtan;
   const Camera camera = withModel(calibration, other, calibration.parameters().head<8>());
-  if (!fits(camera)) return std::nullopt;
+  if (!judge.nearlyFits(camera)) return std::nullopt;
   return CauseFound{LikelyCause::kModel,
                     "the coefficients are those of " + toString(other) + ", but are given as " +
                         toString(calibration.model()),
                     camera};
 }
 
-std::optional<CauseFound> ofAxes(const Camera& calibration, const Fits& fits) {
+std::optional<CauseFound> ofAxes(const Camera& calibration, const Judge& judge) {
   Intrinsics p = calibration.parameters();
   std::swap(p(0), p(1));
   std::swap(p(2), p(3));
   Camera camera = calibration;
   camera.setParameters(p);
-  if (!fits(camera)) return std::nullopt;
+  if (!judge.nearlyFits(camera)) return std::nullopt;
   return CauseFound{LikelyCause::kAxes, "x and y are swapped in K: the images were turned", camera};
 }
 
@@ -183,8 +196,8 @@ std::string centreText(const Camera& calibration, const Camera& righted) {
 }
 
 // With free values, from the fewest on.
-std::optional<CauseFound> ofFreeValues(const Camera& calibration,
-                                       const std::vector<Sample>& samples, const Fits& fits) {
+std::optional<CauseFound> ofFreeValues(const Camera& calibration, const Judge& judge) {
+  const auto& [samples, fits] = judge;
   const Camera focal = fitted(calibration, samples, focalColumns(calibration));
   if (fits(focal)) {
     return CauseFound{LikelyCause::kFocalLength,
@@ -209,21 +222,26 @@ std::optional<CauseFound> ofFreeValues(const Camera& calibration,
   return std::nullopt;
 }
 
-std::optional<CauseFound> ofDistortion(const Camera& calibration,
-                                       const std::vector<Sample>& samples, const Fits& fits) {
-  const bool has_none = calibration.model() == CameraModel::kPinhole;
-  Camera start = calibration;
-  if (has_none) {
-    Intrinsics p = Intrinsics::Zero(Camera::parameterCount(CameraModel::kRadtan));
-    p.head<4>() = calibration.parameters();
-    start = withModel(calibration, CameraModel::kRadtan, p);
-  }
-  const Camera camera = fitted(start, samples, distortionColumns(start));
-  if (!fits(camera)) return std::nullopt;
-  return CauseFound{LikelyCause::kDistortion,
-                    has_none ? "the distortion coefficients are missing"
-                             : "the distortion coefficients alone are wrong",
+std::optional<CauseFound> ofDistortion(const Camera& calibration, const Judge& judge) {
+  if (calibration.model() == CameraModel::kPinhole) return std::nullopt;
+  const Camera camera = fitted(calibration, judge.samples, distortionColumns(calibration));
+  if (!judge.fits(camera)) return std::nullopt;
+  return CauseFound{LikelyCause::kDistortion, "the distortion coefficients alone are wrong",
                     camera};
+}
+
+// All else may be a little off then: nobody calibrates a pinhole where there is distortion.
+std::optional<CauseFound> ofMissingDistortion(const Camera& calibration, const Judge& judge) {
+  if (calibration.model() != CameraModel::kPinhole) return std::nullopt;
+  Intrinsics p = Intrinsics::Zero(kMaxIntrinsics);
+  p.head<4>() = calibration.parameters();
+  Camera camera = withModel(calibration, CameraModel::kRadtan, p);
+  camera = fitted(camera, judge.samples, distortionColumns(camera));
+  camera = fitted(
+      camera, judge.samples,
+      joined(joined(focalColumns(camera), centreColumns(camera)), distortionColumns(camera)));
+  if (!judge.fits(camera)) return std::nullopt;
+  return CauseFound{LikelyCause::kDistortion, "the distortion coefficients are missing", camera};
 }
 
 }  // namespace
@@ -245,12 +263,13 @@ CauseFound likelyCause(const Camera& calibration, const Camera& estimate,
                        const ImageWeights& weights, const Fits& fits) {
   const Camera start(calibration.model(), estimate.width(), estimate.height(),
                      calibration.parameters());
-  if (auto found = ofResolution(calibration, estimate, fits)) return *found;
-  if (auto found = ofModel(start, fits)) return *found;
-  if (auto found = ofAxes(start, fits)) return *found;
-  const std::vector<Sample> samples = samplesOf(estimate, weights);
-  if (auto found = ofFreeValues(start, samples, fits)) return *found;
-  if (auto found = ofDistortion(start, samples, fits)) return *found;
+  const Judge judge{samplesOf(estimate, weights), fits};
+  if (auto found = ofResolution(calibration, estimate, judge)) return *found;
+  if (auto found = ofModel(start, judge)) return *found;
+  if (auto found = ofAxes(start, judge)) return *found;
+  if (auto found = ofFreeValues(start, judge)) return *found;
+  if (auto found = ofDistortion(start, judge)) return *found;
+  if (auto found = ofMissingDistortion(start, judge)) return *found;
   return {LikelyCause::kUnknown, "none of the usual ones: another camera's file, or another lens",
           calibration};
 }

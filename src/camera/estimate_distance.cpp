@@ -52,6 +52,7 @@ void addAxis(const Eigen::Quaterniond& rotation, const CompensatedGrid& derivati
 }  // namespace
 
 double EstimateDistance::px() const {
+  if (!std::isfinite(found_px)) return found_px;
   return std::sqrt(std::max(0.0, found_px * found_px - noise_px * noise_px));
 }
 
@@ -64,8 +65,9 @@ EstimateDistance distanceFromEstimate(const Camera& estimate, const IntrinsicsMa
   const CompensatedGrid derivatives = compensatedGrid(estimate, grid);
   const BestRotation best = bestRotation(grid, calibration);
   // A ray of the estimate's own projects in it.
-  if (derivatives.points.size() != grid.size() || !std::isfinite(best.error.rms)) return distance;
+  if (grid.empty() || derivatives.points.size() != grid.size()) return distance;
   addOffsets(grid, calibration, best.rotation, &distance);
+  if (!std::isfinite(best.error.rms)) return distance;
   const IntrinsicsMatrix squares = derivatives.metric() * covariance;
   const Intrinsics g = slope(derivatives, grid, calibration, best.rotation);
   const double variance = 4.0 * g.dot(covariance * g) + 2.0 * (squares * squares).trace();

@@ -29,7 +29,7 @@ TEST(AuditRun, JudgesByWhatTracksSay) {
   const AuditReport longer = audit(changed(kLens, 1.01, {0, 0}), run.report(), AuditOptions());
   EXPECT_EQ(longer.verdict, AuditVerdict::kWrong) << longer.sentence();
   EXPECT_EQ(longer.cause, LikelyCause::kFocalLength) << longer.sentence();
-  const AuditReport other = audit(changed(kLens, 1.0, {12, 7}), run.report(), AuditOptions());
+  const AuditReport other = audit(changed(kLens, 1.0, {16, 9}), run.report(), AuditOptions());
   EXPECT_EQ(other.verdict, AuditVerdict::kWrong) << other.sentence();
   EXPECT_EQ(other.cause, LikelyCause::kPrincipalPoint) << other.sentence();
 }
