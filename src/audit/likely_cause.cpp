@@ -200,8 +200,9 @@ std::optional<CauseFound> ofFreeValues(const Camera& calibration, const Judge& j
   const auto& [samples, fits] = judge;
   const Camera focal = fitted(calibration, samples, focalColumns(calibration));
   if (fits(focal)) {
-    return CauseFound{LikelyCause::kFocalLength,
-                      focalText(calibration, focal) + ": focus or zoom changed", focal};
+    return CauseFound{
+        LikelyCause::kFocalLength,
+        focalText(calibration, focal) + ": focus or zoom changed, or it never was right", focal};
   }
   const Camera centre = fitted(calibration, samples, centreColumns(calibration));
   if (fits(centre)) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "audit/audit_samples.h"
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/start_camera.h"
@@ -11,63 +12,65 @@ namespace {
 
 const Camera kLens = camera640(CameraModel::kFov, {311, 310, 327, 233, 0.93});
 
-CalibrationReport liveReport(const Camera& camera, double uncertainty_px) {
-  CalibrationReport report;
-  report.camera = camera;
-  report.state = CalibrationState::kConverged;
-  report.uncertainty = {uncertainty_px, 2.0 * uncertainty_px};
-  report.revision = 1;
-  return report;
-}
+Camera stretched(double factor) { return changed(kLens, factor, {0, 0}); }
 
-Camera stretched(double factor) {
-  Camera camera = kLens;
-  Intrinsics p = camera.parameters();
-  p.head<2>() *= factor;
-  camera.setParameters(p);
-  return camera;
+bool says(const FactoryCalibration& factory, const std::string& words) {
+  return factory.audit().sentence.find(words) != std::string::npos;
 }
 
 TEST(FactoryCalibration, SaysWhatIsMissing) {
   FactoryCalibration factory("/camera/camera_info", 1.0);
-  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kNoMessage);
-  EXPECT_NE(factory.comparison().sentence.find("/camera/camera_info"), std::string::npos);
-  factory.update(liveReport(kLens, 0.1));
+  EXPECT_FALSE(factory.audit().usable);
+  EXPECT_TRUE(says(factory, "/camera/camera_info"));
+  factory.update(knownLens(kLens, 0.1));
   factory.take(uncalibratedCameraInfo(640, 480));
-  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kUncalibrated);
+  EXPECT_FALSE(factory.audit().usable);
+  EXPECT_TRUE(says(factory, "its K is zero"));
   sensor_msgs::CameraInfo strange = toCameraInfo(kLens)->info;
   strange.distortion_model = "thin_prism";
   factory.take(strange);
-  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kUnusable);
-  EXPECT_NE(factory.comparison().sentence.find("thin_prism"), std::string::npos);
-  factory.take(toCameraInfo(Camera::defaultGuess(CameraModel::kPinhole, 320, 240))->info);
-  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kUnusable);
-  EXPECT_NE(factory.comparison().sentence.find("320 x 240"), std::string::npos);
+  EXPECT_FALSE(factory.audit().usable);
+  EXPECT_TRUE(says(factory, "thin_prism"));
 }
 
-TEST(FactoryCalibration, ComparesOnlyWithAConvergedCalibration) {
+TEST(FactoryCalibration, CannotTellBeforeTheLensIsKnown) {
   FactoryCalibration factory("info", 1.0);
   factory.take(toCameraInfo(stretched(1.05))->info);
-  CalibrationReport report = liveReport(kLens, 0.1);
-  report.state = CalibrationState::kConverging;
+  EXPECT_EQ(factory.audit().audit.verdict, AuditVerdict::kCannotTell);
+  CalibrationReport report = knownLens(kLens, 0.1);
+  report.handed_over = false;
   factory.update(report);
-  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kWaiting);
+  EXPECT_TRUE(factory.audit().usable);
+  EXPECT_EQ(factory.audit().audit.verdict, AuditVerdict::kCannotTell);
+  EXPECT_TRUE(says(factory, "CANNOT_TELL: The video has not told the lens yet."));
 }
 
-TEST(FactoryCalibration, WarnsOfADifferenceThatIsLargeAndSignificant) {
+TEST(FactoryCalibration, IsAuditedByTheLiveOne) {
   FactoryCalibration factory("info", 1.0);
-  factory.update(liveReport(kLens, 0.1));
+  factory.update(knownLens(kLens, 0.1));
   factory.take(toCameraInfo(kLens)->info);
-  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kAgrees);
-  EXPECT_LT(factory.comparison().distance.rms, 0.02);
+  EXPECT_EQ(factory.audit().audit.verdict, AuditVerdict::kGood) << factory.audit().sentence;
   factory.take(toCameraInfo(stretched(1.05))->info);
-  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kDiffers);
-  EXPECT_NEAR(factory.comparison().distance.rms, pixelDistance(kLens, stretched(1.05)).rms, 0.05);
-  // The live calibration itself may be that far off.
-  CalibrationReport vague = liveReport(kLens, 20.0);
-  vague.revision = 2;
-  factory.update(vague);
-  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kAgrees);
+  EXPECT_EQ(factory.audit().audit.verdict, AuditVerdict::kWrong);
+  EXPECT_TRUE(says(factory, "5.0 % too long")) << factory.audit().sentence;
+  EXPECT_TRUE(says(factory, "calibrate again")) << factory.audit().sentence;
+  factory.take(toCameraInfo(Camera::defaultGuess(CameraModel::kPinhole, 320, 240))->info);
+  EXPECT_EQ(factory.audit().audit.verdict, AuditVerdict::kWrong);
+  EXPECT_TRUE(says(factory, "320 x 240")) << factory.audit().sentence;
+}
+
+TEST(FactoryCalibration, ALensThatChangesMakesItWrongSinceThen) {
+  FactoryCalibration factory("info", 1.0);
+  factory.take(toCameraInfo(kLens)->info);
+  factory.update(knownLens(kLens, 0.1));
+  ASSERT_EQ(factory.audit().audit.verdict, AuditVerdict::kGood);
+  CalibrationReport zoomed = knownLens(stretched(1.05), 0.1);
+  zoomed.revision = 2;
+  zoomed.epoch = 1;
+  zoomed.last_change_ns = 5000000000;
+  factory.update(zoomed);
+  EXPECT_EQ(factory.audit().audit.verdict, AuditVerdict::kWrong);
+  EXPECT_TRUE(says(factory, "since 5.000 s")) << factory.audit().sentence;
 }
 
 TEST(FactoryCalibration, StartsInTheModelToEstimate) {
@@ -103,8 +106,8 @@ TEST(FactoryCalibration, ReadsARationalPolynomialByAFit) {
   const auto info = toCameraInfo(kLens, OutputModel::kRationalPolynomial)->info;
   ASSERT_NE(info.D[5], 0.0);
   factory.take(info);
-  factory.update(liveReport(kLens, 0.1));
-  EXPECT_EQ(factory.comparison().verdict, FactoryVerdict::kAgrees) << factory.comparison().sentence;
+  factory.update(knownLens(kLens, 0.1));
+  EXPECT_EQ(factory.audit().audit.verdict, AuditVerdict::kGood) << factory.audit().sentence;
   std::string problem;
   const auto start = factory.startFor(CameraModel::kFov, 640, 480, &problem);
   ASSERT_TRUE(start) << problem;

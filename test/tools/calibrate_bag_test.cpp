@@ -15,6 +15,7 @@
 
 #include "camera_self_calibration/simulation/sequence_writer.h"
 #include "camera_self_calibration/simulation/tum_file.h"
+#include "camera_self_calibration/tools/calibration_file.h"
 #include "tools/child_program.h"
 #include "tools/small_sequence.h"
 #include "tools/temporary_folder.h"
@@ -140,6 +141,39 @@ TEST(CalibrateBag, AnotherSizeIsOneSentence) {
   EXPECT_FALSE(mentions(outcome, "calibrated anew")) << outcome.output;
   EXPECT_FALSE(mentions(outcome, "size changed")) << outcome.output;
   EXPECT_TRUE(mentions(outcome, "10 images left out"));
+}
+
+// Of the same bag: what it says of a calibration.
+Outcome audit(const Camera& calibration, const std::string& options, const std::string& out) {
+  const TemporaryFolder folder;
+  writeCalibration(folder / "given.yaml", calibration, CalibrationFormat::kPlain);
+  return calibrateBag((converged().folder / "room.bag") + " --model fov --report --audit " +
+                      (folder / "given.yaml") + " --out " + out + options);
+}
+
+TEST(CalibrateBag, AuditsACalibration) {
+  const TemporaryFolder folder;
+  const Camera& truth = converged().truth.lens.camera;
+  const Outcome good = audit(truth, "", folder / "good");
+  EXPECT_EQ(good.exit_code, 0) << good.output;
+  EXPECT_TRUE(mentions(good, "audit: GOOD: The calibration is right")) << good.output;
+  Intrinsics p = truth.parameters();
+  p.head<2>() *= 1.03;
+  const Camera zoomed(truth.model(), truth.width(), truth.height(), p);
+  const Outcome wrong = audit(zoomed, " --audit-tolerance 0.5", folder / "wrong");
+  EXPECT_EQ(wrong.exit_code, 5) << wrong.output;
+  EXPECT_TRUE(mentions(wrong, "audit: WRONG")) << wrong.output;
+  const YAML::Node summary = YAML::LoadFile(folder / "wrong/summary.json")["audit"];
+  EXPECT_EQ(summary["verdict"].as<std::string>(), "WRONG");
+  EXPECT_EQ(summary["likely_cause"].as<std::string>(), "focal_length");
+  EXPECT_EQ(summary["tolerance_px"].as<double>(), 0.5);
+  EXPECT_GT(summary["distance_px"].as<double>(), 1.0);
+  const std::string page = contents(folder / "wrong/report.html");
+  EXPECT_NE(page.find("Is the calibration in question still right?"), std::string::npos);
+  EXPECT_EQ(contents(converged().out("report.html")).find("in question"), std::string::npos);
+  const Outcome untold = audit(zoomed, " --duration 0.5", folder / "untold");
+  EXPECT_EQ(untold.exit_code, 6) << untold.output;
+  EXPECT_TRUE(mentions(untold, "audit: CANNOT_TELL")) << untold.output;
 }
 
 // But for the two values of summary.json that may differ.
