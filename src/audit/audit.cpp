@@ -51,13 +51,23 @@ double byChance(double value, double sigma, double limit, int freedom) {
   return t > 0.0 ? 0.5 * both : 1.0 - 0.5 * both;
 }
 
-double pValue(const EstimateDistance& distance, const Evidence& evidence,
-              const AuditOptions& options) {
-  if (distance.refused > kNegligibleRim) return 0.0;
-  return std::min(
-      byChance(distance.px(), distance.sigma_px, options.tolerance_px, evidence.freedom),
-      byChance(distance.axis_deg, distance.axis_sigma_deg, options.axis_tolerance_deg,
-               evidence.freedom));
+// Probabilities of what is found where the calibration is tolerable.
+struct Chances {
+  double distance = 1.0;
+  double axis = 1.0;
+  double least() const { return std::min(distance, axis); }
+};
+
+Chances chancesOf(const EstimateDistance& distance, const Evidence& evidence,
+                  const AuditOptions& options) {
+  // Where the rays are known, there is no chance in their having no pixel.
+  const bool refuses =
+      distance.refused > kNegligibleRim && distance.noise_px <= options.tolerance_px;
+  return {refuses
+              ? 0.0
+              : byChance(distance.px(), distance.sigma_px, options.tolerance_px, evidence.freedom),
+          byChance(distance.axis_deg, distance.axis_sigma_deg, options.axis_tolerance_deg,
+                   evidence.freedom)};
 }
 
 // In the image's thirds.
@@ -65,6 +75,7 @@ std::string whereMost(const EstimateDistance& distance, const Camera& lens) {
   static const char* const kNames[] = {"at the upper left", "at the top",    "at the upper right",
                                        "at the left",       "in the centre", "at the right",
                                        "at the lower left", "at the bottom", "at the lower right"};
+  if (distance.points.empty()) return "";
   struct Part {
     double weight = 0.0;
     double squares = 0.0;
@@ -89,7 +100,7 @@ std::string beyondMost(const Camera& calibration, const Evidence& evidence,
                        const ImageWeights& outer, double radius_px, const AuditOptions& options) {
   if (!(outer.sum() > 0.0)) return "";
   const EstimateDistance distance = distanceOf(calibration, evidence, outer);
-  if (!(pValue(distance, evidence, options) < options.chance)) return "";
+  if (!(chancesOf(distance, evidence, options).least() < options.chance)) return "";
   const std::string place =
       formatted("beyond %.0f px from the centre, where few features are, ", radius_px);
   return place + (distance.refused > kNegligibleRim
@@ -100,15 +111,57 @@ std::string beyondMost(const Camera& calibration, const Evidence& evidence,
 void findCause(const Camera& calibration, const Evidence& evidence, const ImageWeights& inner,
                const AuditOptions& options, AuditReport* report) {
   const auto fits = [&](const Camera& camera) {
-    return !(pValue(distanceOf(camera, evidence, inner), evidence, options) < options.chance);
+    return !(chancesOf(distanceOf(camera, evidence, inner), evidence, options).least() <
+             options.chance);
   };
   const CauseFound found = likelyCause(calibration, evidence.lens, inner, fits);
   report->cause = found.cause;
   report->cause_sentence = found.sentence;
 }
 
+std::string chanceText(double p) {
+  return p < 1e-6 ? std::string("p < 1e-6") : formatted("p = %.2g", p);
+}
+
+std::string axisText(const AuditReport& report) {
+  return formatted("its optical axis is off by %.2f +- %.2f degrees", report.axis_deg,
+                   report.axis_sigma_deg);
+}
+
+// What is wrong where the distance in pixels does not say it all.
+void explainAxis(const Chances& chances, const AuditOptions& options, AuditReport* report) {
+  if (!(chances.axis < options.chance)) return;
+  if (chances.distance < options.chance || !report->reason.empty()) {
+    report->where += ", and " + axisText(*report);
+  } else {
+    report->reason = axisText(*report) +
+                     formatted(" (tolerance %g degrees, ", options.axis_tolerance_deg) +
+                     chanceText(chances.axis) + ")";
+  }
+}
+
+// Where the video does not tell the axis, it does not count.
+bool isGood(const AuditReport& report, const AuditOptions& options) {
+  return report.distance_px <= options.tolerance_px &&
+         report.sigma_px <= kMaxSigma * options.tolerance_px &&
+         (report.axis_deg <= options.axis_tolerance_deg ||
+          report.axis_sigma_deg > kMaxSigma * options.axis_tolerance_deg);
+}
+
+AuditReport figuresOf(const EstimateDistance& distance, const AuditOptions& options) {
+  AuditReport report;
+  report.tolerance_px = options.tolerance_px;
+  report.distance_px = distance.px();
+  report.sigma_px = distance.sigma_px;
+  report.axis_deg = distance.axis_deg;
+  report.axis_sigma_deg = distance.axis_sigma_deg;
+  report.refused = distance.refused;
+  return report;
+}
+
 // Why it is neither GOOD nor WRONG.
-void explainDoubt(const Evidence& evidence, double max_sigma_px, AuditReport* report) {
+void explainDoubt(const Evidence& evidence, AuditReport* report) {
+  const double max_sigma_px = kMaxSigma * report->tolerance_px;
   if (!(report->sigma_px <= max_sigma_px)) {
     report->reason = formatted(
         "the video tells the lens to %.2f px only where features are, and %.2f px are needed",
@@ -127,10 +180,6 @@ AuditReport nothingKnown(const CalibrationReport& live, const AuditOptions& opti
   report.hint =
       live.hint.empty() ? "move the camera about and turn it about several axes" : live.hint;
   return report;
-}
-
-std::string chanceText(double p) {
-  return p < 1e-6 ? std::string("p < 1e-6") : formatted("p = %.2g", p);
 }
 
 std::string offText(const AuditReport& report) {
@@ -156,34 +205,29 @@ AuditReport audit(const Camera& calibration, const CalibrationReport& live,
   const double radius_px = live.observed.features->radiusHolding(kInnerShare, centre);
   const ImageWeights inner = live.observed.features->within(radius_px, centre);
   const EstimateDistance distance = distanceOf(calibration, evidence, inner);
-  const bool blind = distance.refused > kNegligibleRim;
-  if (!std::isfinite(distance.found_px) && !blind) return nothingKnown(live, options);
+  const Chances chances = chancesOf(distance, evidence, options);
   const bool same_size =
       calibration.width() == live.camera.width() && calibration.height() == live.camera.height();
-  AuditReport report;
-  report.tolerance_px = options.tolerance_px;
-  report.distance_px = distance.px();
-  report.sigma_px = distance.sigma_px;
-  report.axis_deg = distance.axis_deg;
-  report.axis_sigma_deg = distance.axis_sigma_deg;
-  report.refused = distance.refused;
-  report.p_value = same_size ? pValue(distance, evidence, options) : 0.0;
+  AuditReport report = figuresOf(distance, options);
+  report.p_value = same_size ? chances.least() : 0.0;
   if (!same_size) {
     report.reason = "it is for images of " + sizeText(calibration.width(), calibration.height()) +
                     ", but these are " + sizeText(live.camera.width(), live.camera.height());
   }
-  const double max_sigma_px = kMaxSigma * options.tolerance_px;
   if (report.p_value < options.chance) {
     report.verdict = AuditVerdict::kWrong;
     report.where = whereMost(distance, live.camera);
+    explainAxis(chances, options, &report);
     findCause(calibration, evidence, inner, options, &report);
-  } else if (report.distance_px <= options.tolerance_px && report.sigma_px <= max_sigma_px) {
+  } else if (!std::isfinite(report.distance_px)) {
+    return nothingKnown(live, options);
+  } else if (isGood(report, options)) {
     report.verdict = AuditVerdict::kGood;
     report.beyond =
         beyondMost(calibration, evidence, live.observed.features->beyond(radius_px, centre),
                    radius_px, options);
   } else {
-    explainDoubt(evidence, max_sigma_px, &report);
+    explainDoubt(evidence, &report);
   }
   return report;
 }
@@ -204,10 +248,6 @@ std::string AuditReport::sentence() const {
     text += formatted("; it has no ray for %.0f %% of the features", 100.0 * refused);
   }
   if (!where.empty()) text += "; most " + where;
-  if (axis_deg > 3.0 * axis_sigma_deg) {
-    text +=
-        formatted("; its optical axis is off by %.2f +- %.2f degrees", axis_deg, axis_sigma_deg);
-  }
   text += since_ns ? formatted("; since %.3f s", 1e-9 * static_cast<double>(*since_ns))
                    : std::string("; all along");
   return text + "; likely cause: " + cause_sentence;

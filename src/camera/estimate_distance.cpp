@@ -67,12 +67,12 @@ EstimateDistance distanceFromEstimate(const Camera& estimate, const IntrinsicsMa
   // A ray of the estimate's own projects in it.
   if (grid.empty() || derivatives.points.size() != grid.size()) return distance;
   addOffsets(grid, calibration, best.rotation, &distance);
-  if (!std::isfinite(best.error.rms)) return distance;
   const IntrinsicsMatrix squares = derivatives.metric() * covariance;
+  distance.noise_px = std::sqrt(squares.trace());
+  if (!std::isfinite(best.error.rms)) return distance;
   const Intrinsics g = slope(derivatives, grid, calibration, best.rotation);
   const double variance = 4.0 * g.dot(covariance * g) + 2.0 * (squares * squares).trace();
   distance.found_px = best.error.rms;
-  distance.noise_px = std::sqrt(squares.trace());
   // Of the square; where the distance is lost in the noise, that is what it could be.
   distance.sigma_px = std::sqrt(variance) / (2.0 * std::max(best.error.rms, distance.noise_px));
   addAxis(best.rotation, derivatives, covariance, &distance);
