@@ -160,7 +160,7 @@ AuditReport figuresOf(const EstimateDistance& distance, const AuditOptions& opti
 }
 
 // Why it is neither GOOD nor WRONG.
-void explainDoubt(const Evidence& evidence, AuditReport* report) {
+void explainDoubt(const Evidence& evidence, const LensFitReport& fit, AuditReport* report) {
   const double max_sigma_px = kMaxSigma * report->tolerance_px;
   if (!(report->sigma_px <= max_sigma_px)) {
     report->reason = formatted(
@@ -168,6 +168,11 @@ void explainDoubt(const Evidence& evidence, AuditReport* report) {
         report->sigma_px, max_sigma_px);
   } else {
     report->reason = "it is at the limit of what is tolerable";
+  }
+  if (evidence.misfit_px > max_sigma_px) {
+    report->hint = "no motion would, since " + fit.better + " describes the lens better than " +
+                   fit.model + ": choose it, or auto";
+    return;
   }
   const auto information = covarianceFromInformation(evidence.covariance);
   report->hint = weakestDirection(information.value_or(IntrinsicsMatrix()), evidence.lens).hint;
@@ -227,7 +232,7 @@ AuditReport audit(const Camera& calibration, const CalibrationReport& live,
         beyondMost(calibration, evidence, live.observed.features->beyond(radius_px, centre),
                    radius_px, options);
   } else {
-    explainDoubt(evidence, &report);
+    explainDoubt(evidence, live.lens_fit, &report);
   }
   return report;
 }
@@ -247,7 +252,7 @@ std::string AuditReport::sentence() const {
   if (refused > kNegligibleRim) {
     text += formatted("; it has no ray for %.0f %% of the features", 100.0 * refused);
   }
-  if (!where.empty()) text += "; most " + where;
+  if (!where.empty()) text += "; off most " + where;
   text += since_ns ? formatted("; since %.3f s", 1e-9 * static_cast<double>(*since_ns))
                    : std::string("; all along");
   return text + "; likely cause: " + cause_sentence;

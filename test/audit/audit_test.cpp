@@ -89,7 +89,10 @@ TEST(Audit, DoubtOfTheLensModelAndOfTheHalvesCounts) {
   const Camera off = changed(kNarrow, 1.01, {0, 0});
   CalibrationReport live = knownLens(kNarrow, 0.05);
   live.lens_fit.misfit_observed = {1.0, 3.0};
-  EXPECT_EQ(audit(off, live, AuditOptions()).verdict, AuditVerdict::kCannotTell);
+  live.lens_fit.better = "radtan";
+  const AuditReport misfit = audit(off, live, AuditOptions());
+  EXPECT_EQ(misfit.verdict, AuditVerdict::kCannotTell) << misfit.sentence();
+  EXPECT_NE(misfit.hint.find("radtan describes the lens better"), std::string::npos) << misfit.hint;
   live = knownLens(kNarrow, 0.05);
   live.cross_validation.compared = true;
   live.cross_validation.difference_px = 3.0;

@@ -155,7 +155,15 @@ std::vector<Audited> auditsOf(const Sequence& sequence) {
   }
   if (bag == "mav_board") return {{"truth", truth, kNotWrong, {}}, longer};
   if (bag == "kitti03_begin") return {{"published", truth, kNotWrong, {}}};
-  if (bag == "tsukuba") return {{"as the images say", truth, kNotWrong, {}}, longer};
+  if (bag == "tsukuba") {
+    // The images say 622; the truth above lies between that and what is published.
+    const auto pinhole = [](double f) {
+      return lens(CameraModel::kPinhole, 640, 480, {f, f, 319.5, 239.5});
+    };
+    return {{"published", pinhole(615.0), kWrongOnly, LikelyCause::kFocalLength},
+            {"as the images say", pinhole(622.2), kGoodOnly, {}},
+            longer};
+  }
   if (bag != "mh01_stereo") return {};
   const bool right = std::string(sequence.topic).find("cam1") != std::string::npos;
   std::vector<Audited> audits = auditsOfPublished(kPublished[right], kPublished[!right]);
