@@ -135,7 +135,7 @@ void explainAxis(const Chances& chances, const AuditOptions& options, AuditRepor
     report->where += ", and " + axisText(*report);
   } else {
     report->reason = axisText(*report) +
-                     formatted(" (tolerance %g degrees, ", options.axis_tolerance_deg) +
+                     formatted(" (tolerance %.1f degrees, ", options.axis_tolerance_deg) +
                      chanceText(chances.axis) + ")";
   }
 }
