@@ -70,7 +70,8 @@ std::string chosenName(const std::vector<std::string>& names, const std::string&
   if (names.empty()) throw std::runtime_error("it holds no camera");
   if (wanted.empty()) {
     if (names.size() == 1) return names.front();
-    throw std::runtime_error("it holds several cameras (" + all + "); choose one with --camera");
+    throw std::runtime_error("it holds several cameras (" + all +
+                             "); choose one with --camera, or the option for this file");
   }
   if (std::find(names.begin(), names.end(), wanted) == names.end()) {
     throw std::runtime_error("it has no camera '" + wanted + "'; there is " + all);
