@@ -155,8 +155,7 @@ std::optional<CauseFound> ofResolution(const Camera& calibration, const Camera& 
     return CauseFound{LikelyCause::kResolution,
                       formatted("another resolution or binning: K has to be that of images %g "
                                 "times as large",
-                                factor),
-                      camera};
+                                factor)};
   }
   return std::nullopt;
 }
@@ -168,10 +167,8 @@ std::optional<CauseFound> ofModel(const Camera& calibration, const Judge& judge)
   const CameraModel other = radtan ? CameraModel::kEquidistant : CameraModel::kRadtan;
   const Camera camera = withModel(calibration, other, calibration.parameters().head<8>());
   if (!judge.nearlyFits(camera)) return std::nullopt;
-  return CauseFound{LikelyCause::kModel,
-                    "the coefficients are those of " + toString(other) + ", but are given as " +
-                        toString(calibration.model()),
-                    camera};
+  return CauseFound{LikelyCause::kModel, "the coefficients are those of " + toString(other) +
+                                             ", but are given as " + toString(calibration.model())};
 }
 
 std::optional<CauseFound> ofAxes(const Camera& calibration, const Judge& judge) {
@@ -181,7 +178,7 @@ std::optional<CauseFound> ofAxes(const Camera& calibration, const Judge& judge) 
   Camera camera = calibration;
   camera.setParameters(p);
   if (!judge.nearlyFits(camera)) return std::nullopt;
-  return CauseFound{LikelyCause::kAxes, "x and y are swapped in K: the images were turned", camera};
+  return CauseFound{LikelyCause::kAxes, "x and y are swapped in K: the images were turned"};
 }
 
 std::string focalText(const Camera& calibration, const Camera& righted) {
@@ -202,23 +199,21 @@ std::optional<CauseFound> ofFreeValues(const Camera& calibration, const Judge& j
   if (fits(focal)) {
     return CauseFound{
         LikelyCause::kFocalLength,
-        focalText(calibration, focal) + ": focus or zoom changed, or it never was right", focal};
+        focalText(calibration, focal) + ": focus or zoom changed, or it never was right"};
   }
   const Camera centre = fitted(calibration, samples, centreColumns(calibration));
   if (fits(centre)) {
     return CauseFound{LikelyCause::kPrincipalPoint,
                       centreText(calibration, centre) +
                           ": another camera's file, a lens that was moved, or another part of the "
-                          "sensor",
-                      centre};
+                          "sensor"};
   }
   const Camera both =
       fitted(calibration, samples, joined(focalColumns(calibration), centreColumns(calibration)));
   if (fits(both)) {
     return CauseFound{LikelyCause::kBoth,
                       focalText(calibration, both) + " and " + centreText(calibration, both) +
-                          ": another camera's file, or a lens that was exchanged",
-                      both};
+                          ": another camera's file, or a lens that was exchanged"};
   }
   return std::nullopt;
 }
@@ -227,8 +222,7 @@ std::optional<CauseFound> ofDistortion(const Camera& calibration, const Judge& j
   if (calibration.model() == CameraModel::kPinhole) return std::nullopt;
   const Camera camera = fitted(calibration, judge.samples, distortionColumns(calibration));
   if (!judge.fits(camera)) return std::nullopt;
-  return CauseFound{LikelyCause::kDistortion, "the distortion coefficients alone are wrong",
-                    camera};
+  return CauseFound{LikelyCause::kDistortion, "the distortion coefficients alone are wrong"};
 }
 
 // All else may be a little off then: nobody calibrates a pinhole where there is distortion.
@@ -242,7 +236,7 @@ std::optional<CauseFound> ofMissingDistortion(const Camera& calibration, const J
       camera, judge.samples,
       joined(joined(focalColumns(camera), centreColumns(camera)), distortionColumns(camera)));
   if (!judge.fits(camera)) return std::nullopt;
-  return CauseFound{LikelyCause::kDistortion, "the distortion coefficients are missing", camera};
+  return CauseFound{LikelyCause::kDistortion, "the distortion coefficients are missing"};
 }
 
 }  // namespace
@@ -271,8 +265,7 @@ CauseFound likelyCause(const Camera& calibration, const Camera& estimate,
   if (auto found = ofFreeValues(start, judge)) return *found;
   if (auto found = ofDistortion(start, judge)) return *found;
   if (auto found = ofMissingDistortion(start, judge)) return *found;
-  return {LikelyCause::kUnknown, "none of the usual ones: another camera's file, or another lens",
-          calibration};
+  return {LikelyCause::kUnknown, "none of the usual ones: another camera's file, or another lens"};
 }
 
 }  // namespace camera_self_calibration

@@ -24,11 +24,10 @@ enum class LikelyCause {
 /// "none", "resolution", "model", "axes", "focal_length", ...: the names used in files.
 std::string toString(LikelyCause cause);
 
-/// A cause in words, with figures, and the calibration without it.
+/// A cause in words, with figures.
 struct CauseFound {
   LikelyCause cause = LikelyCause::kUnknown;
   std::string sentence;
-  Camera righted;
 };
 
 /// The first of the list whose transformation makes a calibration that `fits`. Those with free

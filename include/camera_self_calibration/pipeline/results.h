@@ -88,7 +88,7 @@ struct ObservedReport {
   double share = 0.0;                              ///< Of the part of the image that sees, 0 to 1.
   PixelError uncertainty = PixelError::unknown();  ///< There, as the whole image's [px].
   std::string unseen_corners;                      ///< In words; empty where there is none.
-  /// Of the queue's observations; null before hand-over.
+  /// Of the queue's observations; null where there is none.
   std::shared_ptr<const ImageWeights> features;
 };
 
