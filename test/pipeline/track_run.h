@@ -56,6 +56,8 @@ struct TrackRunOptions {
   double readout_s = 0.0;       ///< Of a rolling shutter.
   double stamp_jitter_s = 0.0;  ///< Images are stamped so much too early or late, evenly spread.
   double duration_s = 120.0;
+  /// If given, where what the lens images at a pixel is seen: a lens outside the models.
+  std::function<Eigen::Vector2d(const Eigen::Vector2d&)> warp = nullptr;
   /// If given, the camera at a time since the start [s].
   std::function<Camera(double)> lens = nullptr;
 };
@@ -66,6 +68,7 @@ class TrackRun {
   TrackRun(const Camera& truth, const Options& options, const TrackRunOptions& run)
       : rate_hz_(run.rate_hz),
         stamp_jitter_s_(run.stamp_jitter_s),
+        warp_(run.warp),
         jitter_(mixSeed(run.seed, 77)),
         tracks_(makeRoom(RoomOptions()), Lens{truth, std::nullopt, 1.0, run.lens}, motionOf(run),
                 tracksOf(run, truth)),
@@ -87,7 +90,12 @@ class TrackRun {
     const std::int64_t stamp = kStartNs + static_cast<std::int64_t>(1e9 * frame_++ / rate_hz_);
     TrackedFrame frame = tracks_.track(stamp);  // a copy: detect() may be called inside
     frame.stamp_ns += static_cast<std::int64_t>(1e9 * jitter_.uniform(-1.0, 1.0) * stamp_jitter_s_);
-    calibrator_.processTracks(frame, [this] { return tracks_.detect(); });
+    warp(&frame.tracks);
+    calibrator_.processTracks(frame, [this] {
+      std::vector<Track> detected = tracks_.detect();
+      warp(&detected);
+      return detected;
+    });
   }
   /// As if the lens were covered: frames without tracks.
   void runBlind(int frames) {
@@ -132,8 +140,17 @@ class TrackRun {
     return options;
   }
 
+  void warp(std::vector<Track>* tracks) const {
+    if (!warp_) return;
+    for (Track& track : *tracks) {
+      track.pixel = warp_(track.pixel);
+      track.reference_pixel = warp_(track.reference_pixel);
+    }
+  }
+
   double rate_hz_;
   double stamp_jitter_s_;
+  std::function<Eigen::Vector2d(const Eigen::Vector2d&)> warp_;
   Random jitter_;
   int frame_ = 0;
   FeatureTracks tracks_;
