@@ -28,6 +28,10 @@ class ByteWriter {
       for (Eigen::Index r = 0; r < values.rows(); ++r) real(values(r, c));
     }
   }
+  void text(const std::string& value) {
+    integer(value.size());
+    bytes_ += value;
+  }
   const std::string& bytes() const { return bytes_; }
 
  private:
@@ -64,6 +68,14 @@ class ByteReader {
     const std::uint64_t bits = integer();
     double value = 0.0;
     std::memcpy(&value, &bits, sizeof(value));
+    return value;
+  }
+  std::string text() {
+    const std::size_t size = count(1);
+    if (!ok_) return "";
+    const std::string value(next_, size);
+    next_ += size;
+    left_ -= size;
     return value;
   }
   /// At most max_rows x max_columns.

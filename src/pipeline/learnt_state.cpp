@@ -8,8 +8,10 @@ namespace camera_self_calibration {
 namespace {
 
 const std::string kMagic = "camera_self_calibration state\n";
-constexpr std::uint64_t kVersion = 2;
-constexpr std::uint64_t kWithoutShutter = 1;  // the version before, still read
+constexpr std::uint64_t kVersion = 3;
+// Versions before, still read.
+constexpr std::uint64_t kWithoutBags = 2;
+constexpr std::uint64_t kWithoutShutter = 1;
 constexpr std::size_t kChecksumBytes = 8;
 constexpr int kModels = 4;
 constexpr int kStates = 5;
@@ -66,6 +68,8 @@ void write(const Observation& observation, ByteWriter* out) {
 }
 
 void write(const Candidate& candidate, ByteWriter* out);
+void write(const SegmentMark& mark, ByteWriter* out);
+void write(const BagRecord& record, ByteWriter* out);
 
 template <typename Item>
 void writeList(const std::vector<Item>& items, ByteWriter* out) {
@@ -88,6 +92,32 @@ void write(const Candidate& candidate, ByteWriter* out) {
         candidate.uncertainty.max, candidate.residual_scale}) {
     out->real(value);
   }
+}
+
+void write(const SegmentMark& mark, ByteWriter* out) {
+  out->integer(static_cast<std::uint64_t>(mark.begin_ns));
+  out->integer(static_cast<std::uint64_t>(mark.end_ns));
+  out->real(mark.entropy);
+}
+
+void write(const BagRecord& record, ByteWriter* out) {
+  for (const std::string* text :
+       {&record.bag, &record.camera, &record.version, &record.state_file}) {
+    out->text(*text);
+  }
+  for (const std::int64_t value : {record.begin_ns, record.end_ns, record.images}) {
+    out->integer(static_cast<std::uint64_t>(value));
+  }
+  out->integer(static_cast<std::uint64_t>(record.state));
+  out->integer(record.lens_changes);
+  write(record.lens, out);
+  out->matrix(record.covariance);
+  out->integer(static_cast<std::uint64_t>(record.scatter.freedom));
+  for (const double value : {record.scatter.chi_square, record.uncertainty_px, record.misfit_px,
+                             record.row_time_s, record.row_time_sigma_s}) {
+    out->real(value);
+  }
+  writeList(record.segments, out);
 }
 
 struct StateReader : ByteReader {
@@ -147,9 +177,11 @@ void read(StateReader* in, Observation* observation) {
 }
 
 void read(StateReader* in, Candidate* candidate);
+void read(StateReader* in, SegmentMark* mark);
+void read(StateReader* in, BagRecord* record);
 
-// Each item has at least five numbers of eight bytes.
-constexpr std::size_t kLeastItemBytes = 40;
+// Each item has at least three numbers of eight bytes.
+constexpr std::size_t kLeastItemBytes = 24;
 
 template <typename Item>
 void readList(StateReader* in, std::vector<Item>* items) {
@@ -174,6 +206,31 @@ void read(StateReader* in, Candidate* candidate) {
     *value = in->real();
   }
   candidate->well_posed = true;  // as all in the queue
+}
+
+void read(StateReader* in, SegmentMark* mark) {
+  mark->begin_ns = static_cast<std::int64_t>(in->integer());
+  mark->end_ns = static_cast<std::int64_t>(in->integer());
+  mark->entropy = in->real();
+}
+
+void read(StateReader* in, BagRecord* record) {
+  for (std::string* text : {&record->bag, &record->camera, &record->version, &record->state_file}) {
+    *text = in->text();
+  }
+  for (std::int64_t* value : {&record->begin_ns, &record->end_ns, &record->images}) {
+    *value = static_cast<std::int64_t>(in->integer());
+  }
+  record->state = static_cast<CalibrationState>(in->integer() % kStates);
+  record->lens_changes = in->integer();
+  record->lens = readCamera(in);
+  record->covariance = in->matrix(kMaxIntrinsics, kMaxIntrinsics);
+  record->scatter.freedom = static_cast<int>(in->integer());
+  for (double* value : {&record->scatter.chi_square, &record->uncertainty_px, &record->misfit_px,
+                        &record->row_time_s, &record->row_time_sigma_s}) {
+    *value = in->real();
+  }
+  readList(in, &record->segments);
 }
 
 bool within(int index, std::size_t size) {
@@ -219,6 +276,17 @@ bool isSound(const Candidate& candidate, const Camera& camera) {
          std::isfinite(candidate.cost) && std::isfinite(candidate.entropy);
 }
 
+bool isSound(const BagRecord& record) {
+  const int count = record.lens.estimatedCount();
+  return record.lens.valid() && record.lens.width() > 0 && record.covariance.rows() == count &&
+         record.covariance.cols() == count && record.covariance.allFinite() &&
+         record.covariance.diagonal().minCoeff() > 0.0 && record.scatter.freedom >= 0 &&
+         record.begin_ns <= record.end_ns && std::isfinite(record.scatter.chi_square) &&
+         record.uncertainty_px >= 0.0 && record.misfit_px >= 0.0 &&
+         std::isfinite(record.uncertainty_px) && std::abs(record.row_time_s) < 1.0 &&
+         record.row_time_sigma_s >= 0.0;
+}
+
 }  // namespace
 
 std::vector<std::string> LearntState::problems() const {
@@ -235,6 +303,9 @@ std::vector<std::string> LearntState::problems() const {
     if (isSound(candidate, camera)) continue;
     list.push_back("its segment " + std::to_string(candidate.segment.sequence) + " is not sound");
   }
+  for (const BagRecord& record : bags) {
+    if (!isSound(record)) list.push_back("its record of the bag " + record.bag + " is not sound");
+  }
   return list;
 }
 
@@ -250,6 +321,7 @@ std::string encode(const LearntState& state) {
   out.real(state.row_time_s);
   out.real(state.row_time_sigma_s);
   writeList(state.segments, &out);
+  writeList(state.bags, &out);
   const std::string text = kMagic + out.bytes();
   ByteWriter sum;
   sum.integer(checksum(text.data(), text.size()));
@@ -264,7 +336,7 @@ DecodedState decodeState(const std::string& bytes) {
   const std::size_t body = bytes.size() - kChecksumBytes;
   StateReader in(bytes.data() + kMagic.size(), body - kMagic.size());
   in.version = in.integer();
-  if (in.version != kVersion && in.version != kWithoutShutter) {
+  if (in.version < kWithoutShutter || in.version > kVersion) {
     return {nullptr, "it has the format " + std::to_string(in.version) + ", this program reads " +
                          std::to_string(kVersion)};
   }
@@ -279,11 +351,12 @@ DecodedState decodeState(const std::string& bytes) {
   state->keyframes = static_cast<std::int64_t>(in.integer());
   state->revision = in.integer();
   state->epoch = in.integer();
-  if (in.version != kWithoutShutter) {
+  if (in.version > kWithoutShutter) {
     state->row_time_s = in.real();
     state->row_time_sigma_s = in.real();
   }
   readList(&in, &state->segments);
+  if (in.version > kWithoutBags) readList(&in, &state->bags);
   if (!in.atEnd() || calibration_state >= kStates) return {nullptr, "its contents do not add up"};
   state->state = static_cast<CalibrationState>(calibration_state);
   const std::vector<std::string> problems = state->problems();

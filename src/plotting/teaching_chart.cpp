@@ -18,21 +18,6 @@ constexpr double kLeft = 66.0;
 constexpr double kFull = 0.5;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-SegmentTeaching teaching(const Camera& camera, const IntrinsicsMatrix& all,
-                         const IntrinsicsMatrix& own) {
-  SegmentTeaching result;
-  result.image = kInfinity;
-  result.values.assign(static_cast<std::size_t>(all.rows()), kInfinity);
-  const auto with = covarianceFromInformation(all);
-  const auto without = covarianceFromInformation(all - own);
-  if (!with || !without) return result;
-  result.image = pixelUncertainty(camera, *without).rms / pixelUncertainty(camera, *with).rms - 1.0;
-  for (Eigen::Index i = 0; i < all.rows(); ++i) {
-    result.values[static_cast<std::size_t>(i)] = std::sqrt((*without)(i, i) / (*with)(i, i)) - 1.0;
-  }
-  return result;
-}
-
 Colour shade(double growth) {
   const double share = std::sqrt(std::clamp(growth / kFull, 0.0, 1.0));
   return Colour(242, 236, 228) * (1.0 - share) + Colour(140, 60, 20) * share;
@@ -50,6 +35,21 @@ void drawKey(double right, const Palette& colours, Sheet* sheet) {
 
 }  // namespace
 
+SegmentTeaching teachingOf(const Camera& camera, const IntrinsicsMatrix& all,
+                           const IntrinsicsMatrix& own) {
+  SegmentTeaching result;
+  result.image = kInfinity;
+  result.values.assign(static_cast<std::size_t>(all.rows()), kInfinity);
+  const auto with = covarianceFromInformation(all);
+  const auto without = covarianceFromInformation(all - own);
+  if (!with || !without) return result;
+  result.image = pixelUncertainty(camera, *without).rms / pixelUncertainty(camera, *with).rms - 1.0;
+  for (Eigen::Index i = 0; i < all.rows(); ++i) {
+    result.values[static_cast<std::size_t>(i)] = std::sqrt((*without)(i, i) / (*with)(i, i)) - 1.0;
+  }
+  return result;
+}
+
 std::vector<SegmentTeaching> teachings(const std::vector<Candidate>& queue, const Camera& camera,
                                        std::int64_t origin_ns) {
   const Eigen::Index n = camera.estimatedCount();
@@ -65,7 +65,7 @@ std::vector<SegmentTeaching> teachings(const std::vector<Candidate>& queue, cons
   };
   std::vector<SegmentTeaching> result;
   for (const Candidate* candidate : segments) {
-    result.push_back(teaching(camera, all, candidate->information));
+    result.push_back(teachingOf(camera, all, candidate->information));
     result.back().begin_s = seconds(candidate->segment.beginNs());
     result.back().end_s = seconds(candidate->segment.endNs());
     result.back().keyframes = static_cast<int>(candidate->segment.keyframes.size());

@@ -61,7 +61,8 @@ GrayImage ofSize(const GrayImage& image, int width, int height) {
 Callbacks recordInto(Recording* recording) {
   Callbacks callbacks;
   callbacks.frame = [recording](const FrameResult& result) {
-    ++recording->frames;
+    if (recording->frames++ == 0) recording->begin_ns = result.stamp_ns;
+    recording->end_ns = result.stamp_ns;
     if (result.is_keyframe) ++recording->keyframes;
     addPose(result, &recording->poses);
   };

@@ -5,6 +5,7 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "camera_self_calibration/tools/bag_state.h"
 #include "camera_self_calibration/tools/calibrate.h"
 #include "camera_self_calibration/tools/calibrate_bag_arguments.h"
 #include "camera_self_calibration/tools/interruption.h"
@@ -58,8 +59,28 @@ void write(const CalibrateBagArguments& arguments, const std::string& name,
   if (!file.flush()) throw std::runtime_error(path + " cannot be written");
 }
 
+int exitCode(CalibrationState state) {
+  return state == CalibrationState::kConverged ? kConverged : kNotConverged;
+}
+
+void writeState(const CalibrateBagArguments& arguments, const std::string& camera,
+                const Recording& recording) {
+  const auto state = stateOfBag(recording, arguments.source.path, camera);
+  if (state) return writeState(arguments.state_out, *state);
+  std::cerr << "calibrate_bag: " << arguments.state_out << " is not written: "
+            << (recording.complete ? "the bag did not tell the lens" : kPartial) << '\n';
+}
+
 int run(const CalibrateBagArguments& arguments) {
   ImageSource source = openImages(arguments.source);
+  const std::string camera = arguments.camera.empty() ? source.name : arguments.camera;
+  if (!arguments.state_out.empty() && !arguments.overwrite) {
+    if (const auto done = finishedState(arguments.state_out, arguments.source.path, camera)) {
+      std::cout << arguments.state_out << " holds what this bag told of the camera '" << camera
+                << "' already: " << toString(done->state) << '\n';
+      return exitCode(done->state);
+    }
+  }
   if (!source.description.empty()) std::cout << source.description << std::endl;
   // Before the work rather than after it: a folder that cannot be made.
   if (!arguments.out.empty()) std::filesystem::create_directories(arguments.out);
@@ -82,6 +103,7 @@ int run(const CalibrateBagArguments& arguments) {
     std::cerr << "warning: the ground truth has no poses at the times of the images\n";
   }
   if (!arguments.out.empty()) write(arguments, source.name, recording, trajectory);
+  if (!arguments.state_out.empty()) writeState(arguments, camera, recording);
   if (!recording.complete) {
     std::cerr << "calibrate_bag: interrupted after " << recording.frames << " images"
               << (arguments.out.empty() ? "" : "; the results in " + arguments.out + " are partial")

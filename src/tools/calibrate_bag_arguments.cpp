@@ -38,6 +38,12 @@ po::options_description description(CalibrateBagArguments* arguments) {
      "starting with that of --initial or pinhole); default: auto")
     ("out", po::value(&arguments->out),
      "folder for the results; made if it is missing. Without it only a table is printed")
+    ("state-out", po::value(&arguments->state_out),
+     "file for all that was learnt: for merge_calibrations, or as ~state_file. Where it holds "
+     "what this bag told of this camera already, nothing is done")
+    ("camera", po::value(&arguments->camera),
+     "name of the camera in the file of --state-out; default: the topic")
+    ("overwrite", po::bool_switch(&arguments->overwrite), "do it again all the same")
     ("initial", po::value<std::string>(),
      "start values: a ROS calibration (YAML) or a YAML with model, width, height, params")
     ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video (default: its own times) [Hz]")

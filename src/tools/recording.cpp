@@ -11,6 +11,7 @@
 #include "camera_self_calibration/ros/messages.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/json.h"
+#include "csv_text.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -134,12 +135,6 @@ void writeTrajectory(const Recording& recording, bool keyframes_only, std::ostre
     map_id = pose.map_id;
     writePose(pose, file);
   }
-}
-
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? "\"\"" : std::string(1, c);
-  return result + "\"";
 }
 
 void writeCsvHeader(const Camera& camera, std::ostream& file) {

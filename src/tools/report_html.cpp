@@ -10,29 +10,11 @@
 #include "camera_self_calibration/plotting/palette.h"
 #include "camera_self_calibration/plotting/teaching_chart.h"
 #include "html_page.h"
+#include "report_numbers.h"
 #include "report_pictures.h"
 
 namespace camera_self_calibration {
 namespace {
-
-std::string number(double value, int decimals) {
-  return std::isfinite(value) ? formatted("%.*f", decimals, value) : "-";
-}
-
-/// Decimals that show two digits of a sigma.
-int decimalsFor(double sigma) {
-  if (!(sigma > 0.0) || !std::isfinite(sigma)) return 4;
-  return std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 8);
-}
-
-std::string percent(double share, int decimals = 1) {
-  if (!std::isfinite(share)) return "not observable without it";
-  return number(100.0 * share, decimals) + " %";
-}
-
-std::string cssColour(const Colour& bgr) {
-  return formatted("rgb(%.0f,%.0f,%.0f)", bgr[2], bgr[1], bgr[0]);
-}
 
 std::string modelText(const Camera& camera) {
   return toString(camera.model()) + ", " + std::to_string(camera.width()) + " x " +

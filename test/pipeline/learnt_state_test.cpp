@@ -245,6 +245,70 @@ TEST(LearntState, TheFormatBeforeTheShutterIsStillRead) {
   EXPECT_TRUE(decodeState(encode(state)).state);
 }
 
+// Without the list of bags at the end, a count of none, that the format had before.
+TEST(LearntState, TheFormatBeforeTheBagsIsStillRead) {
+  std::string bytes = encode(*learntState());
+  bytes.resize(bytes.size() - 16);
+  bytes[bytes.find('\n') + 1] = 2;
+  std::uint64_t sum = 14695981039346656037ULL;
+  for (const char c : bytes) sum = (sum ^ static_cast<unsigned char>(c)) * 1099511628211ULL;
+  for (int shift = 0; shift < 64; shift += 8) bytes += static_cast<char>((sum >> shift) & 0xff);
+  const DecodedState decoded = decodeState(bytes);
+  ASSERT_TRUE(decoded.state) << decoded.error;
+  EXPECT_TRUE(decoded.state->bags.empty());
+  EXPECT_EQ(encode(*decoded.state), encode(*learntState()));
+}
+
+TEST(LearntState, KeepsTheRecordsOfItsBags) {
+  LearntState state = *learntState();
+  BagRecord record;
+  record.bag = "day one.bag";
+  record.camera = "robot7/front";
+  record.version = "0.1.0";
+  record.state_file = "/states/1.state";
+  record.begin_ns = -5;
+  record.end_ns = 1700000000000000001;
+  record.images = 300;
+  record.state = CalibrationState::kConverging;
+  record.lens_changes = 2;
+  record.lens = state.camera;
+  record.covariance =
+      0.25 * IntrinsicsMatrix::Identity(state.camera.estimatedCount(), state.camera.estimatedCount());
+  record.uncertainty_px = 0.5;
+  record.misfit_px = 0.125;
+  record.scatter = {12.5, 8};
+  record.row_time_s = 1e-5;
+  record.row_time_sigma_s = 1e-6;
+  record.segments = {{1, 2, -3.5}, {4, 5, -2.5}};
+  state.bags = {record, record};
+  const DecodedState decoded = decodeState(encode(state));
+  ASSERT_TRUE(decoded.state) << decoded.error;
+  ASSERT_EQ(decoded.state->bags.size(), 2u);
+  const BagRecord& read = decoded.state->bags[1];
+  EXPECT_EQ(read.bag, record.bag);
+  EXPECT_EQ(read.camera, record.camera);
+  EXPECT_EQ(read.version, record.version);
+  EXPECT_EQ(read.state_file, record.state_file);
+  EXPECT_EQ(read.begin_ns, -5);
+  EXPECT_EQ(read.end_ns, record.end_ns);
+  EXPECT_EQ(read.images, 300);
+  EXPECT_EQ(read.state, CalibrationState::kConverging);
+  EXPECT_EQ(read.lens_changes, 2u);
+  EXPECT_EQ(read.lens.parameters(), record.lens.parameters());
+  EXPECT_EQ(read.covariance, record.covariance);
+  EXPECT_EQ(read.uncertainty_px, 0.5);
+  EXPECT_EQ(read.misfit_px, 0.125);
+  EXPECT_EQ(read.scatter.chi_square, 12.5);
+  EXPECT_EQ(read.scatter.freedom, 8);
+  EXPECT_EQ(read.row_time_s, 1e-5);
+  EXPECT_EQ(read.row_time_sigma_s, 1e-6);
+  ASSERT_EQ(read.segments.size(), 2u);
+  EXPECT_EQ(read.segments[0].begin_ns, 1);
+  EXPECT_EQ(read.segments[1].entropy, -2.5);
+  state.bags[0].covariance.setZero();
+  EXPECT_FALSE(decodeState(encode(state)).state) << "an estimate without any error";
+}
+
 // Even where the checksum is right, contents that make no sense are not taken.
 TEST(LearntState, UnsoundContentsAreRefused) {
   const auto refused = [](const std::function<void(LearntState*)>& spoil) {

@@ -416,5 +416,25 @@ TEST(CalibrateBag, HelpIsHelp) {
   }
 }
 
+TEST(CalibrateBag, AFinishedStateIsNotLearntTwiceNorWrittenOver) {
+  const std::string bag = converged().folder / "room.bag";
+  const TemporaryFolder folder;
+  const std::string state = folder / "room.state";
+  const std::string again = bag + " --model fov --camera front --state-out " + state;
+  const Outcome first = calibrateBag(again);
+  ASSERT_EQ(first.exit_code, 0) << first.output;
+  const std::string bytes = contents(state);
+  const Outcome second = calibrateBag(again);
+  EXPECT_EQ(second.exit_code, 0);
+  EXPECT_TRUE(mentions(second, "already: CONVERGED")) << second.output;
+  EXPECT_FALSE(mentions(second, "parameter")) << "nothing is computed";
+  const Outcome other = calibrateBag(bag + " --camera rear --state-out " + state);
+  EXPECT_EQ(other.exit_code, 1);
+  EXPECT_TRUE(mentions(other, "told of the camera 'front'")) << other.output;
+  EXPECT_EQ(contents(state), bytes);
+  EXPECT_EQ(calibrateBag(again + " --overwrite").exit_code, 0);
+  EXPECT_EQ(contents(state), bytes) << "the same input, the same state";
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/pipeline/bag_record.h"
 #include "camera_self_calibration/pipeline/health.h"
 #include "camera_self_calibration/queue/candidate_window.h"
 
@@ -23,6 +24,8 @@ struct LearntState {
   double row_time_s = 0.0;          ///< Of a rolling shutter, that the segments are freed of [s].
   double row_time_sigma_s = 0.0;    ///< Of its estimate; 0: none was made [s].
   std::vector<Candidate> segments;  ///< Of the queue, solved.
+  /// The bags that it was learnt from, one lens or several; empty where it was learnt live.
+  std::vector<BagRecord> bags;
 
   /// Every reason why it cannot be used, in words; empty if it can.
   std::vector<std::string> problems() const;

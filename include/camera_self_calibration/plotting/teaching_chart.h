@@ -19,6 +19,11 @@ struct SegmentTeaching {
   std::vector<double> values;  ///< The same for the sigma of each estimated parameter.
 };
 
+/// By how much errors would grow without the part `own` of the information `all`; its times and
+/// counts are left empty.
+SegmentTeaching teachingOf(const Camera& camera, const IntrinsicsMatrix& all,
+                           const IntrinsicsMatrix& own);
+
 /// From the segments' own information: covariances of the sum with and without each. A segment that
 /// alone makes the estimate possible has an infinite share. `origin_ns` is 0 s of the axis. In
 /// the order of time.

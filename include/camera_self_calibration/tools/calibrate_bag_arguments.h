@@ -16,6 +16,9 @@ struct CalibrateBagArguments {
   SourceOptions source;
   Options options;
   std::string out;  ///< Folder for the results; empty: none are written.
+  std::string state_out;   ///< File for what was learnt; empty: none is written.
+  std::string camera;      ///< Name of the camera in it; empty: the topic, folder or file.
+  bool overwrite = false;  ///< `state_out`, whatever it holds.
   CalibrateExtras extras;
   std::vector<StampedCameraPose> ground_truth;  ///< Empty: none was given.
   bool report = false;                          ///< report.html goes into the folder.

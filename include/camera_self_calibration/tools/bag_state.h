@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "camera_self_calibration/pipeline/learnt_state.h"
+#include "camera_self_calibration/tools/recording.h"
+
+namespace camera_self_calibration {
+
+/// What a complete run learnt, with the record of its bag; null where the segments of the video
+/// never were enough for an estimate of their own.
+std::shared_ptr<const LearntState> stateOfBag(const Recording& recording, const std::string& bag,
+                                              const std::string& camera);
+
+/// The state in `path` if it is what `bag` told of `camera`; null if there is no such file. Throws
+/// std::runtime_error if it is something else, which must not be written over.
+std::shared_ptr<const LearntState> finishedState(const std::string& path, const std::string& bag,
+                                                 const std::string& camera);
+
+/// Throws std::runtime_error if it cannot be written.
+void writeState(const std::string& path, const LearntState& state);
+
+}  // namespace camera_self_calibration

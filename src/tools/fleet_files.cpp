@@ -1,0 +1,200 @@
+// The files of a fleet: see fleet_results.h.
+
+#include <cmath>
+#include <filesystem>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+#include <stdexcept>
+
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/plotting/teaching_chart.h"
+#include "camera_self_calibration/tools/bag_state.h"
+#include "camera_self_calibration/tools/calibration_file.h"
+#include "camera_self_calibration/tools/fleet_results.h"
+#include "camera_self_calibration/tools/json.h"
+#include "csv_text.h"
+
+namespace camera_self_calibration {
+namespace {
+
+namespace fs = std::filesystem;
+
+void writeText(const fs::path& path, const std::string& text) {
+  const std::string error = writeFileAtomically(path.string(), text);
+  if (!error.empty()) throw std::runtime_error(error);
+}
+
+// The last one has no number.
+std::string stemOf(const CameraHistory& history, int epoch) {
+  const bool last = epoch + 1 == history.epochs();
+  return fileStem(history.name) + (last ? "" : ".epoch" + std::to_string(epoch + 1));
+}
+
+void removeEarlier(const fs::path& folder, const std::string& name) {
+  for (const char* extension : {".yaml", ".state"}) {
+    fs::remove(folder / (name + extension));
+    for (int epoch = 1; fs::remove(folder / formatted("%s.epoch%d%s", name.c_str(), epoch, extension));
+         ++epoch) {
+    }
+  }
+}
+
+void writeEpoch(const fs::path& folder, const std::string& stem, const std::string& camera,
+                const EpochSolution& solution) {
+  if (!solution.learnt) return;
+  writeState((folder / (stem + ".state")).string(), *solution.learnt);
+  if (solution.health.state != CalibrationState::kConverged) return;
+  CalibrationLabels labels;
+  labels.camera_name = camera;
+  writeCalibration((folder / (stem + ".yaml")).string(), solution.learnt->camera,
+                   CalibrationFormat::kRos, labels);
+}
+
+std::string valuesText(const Camera& lens, const IntrinsicsMatrix& covariance) {
+  std::string text;
+  for (Eigen::Index i = 0; i < lens.estimatedCount(); ++i) {
+    text += "," + json::number(lens.parameters()(i));
+  }
+  for (Eigen::Index i = 0; i < lens.estimatedCount(); ++i) {
+    text += "," + json::number(std::sqrt(covariance(i, i)));
+  }
+  return text;
+}
+
+std::string historyHeader(const Camera& lens) {
+  std::string names, sigmas;
+  for (const std::string& name : lens.parameterNames()) {
+    names += "," + name;
+    sigmas += ",sigma_" + name;
+  }
+  return "begin,end,epoch" + names + sigmas + ",pixel_uncertainty_rms,state,of\n";
+}
+
+std::string historyRow(std::int64_t begin_ns, std::int64_t end_ns, int epoch, const Camera& lens,
+                       const IntrinsicsMatrix& covariance, double uncertainty_px,
+                       CalibrationState state, const std::string& of) {
+  return json::seconds(begin_ns) + "," + json::seconds(end_ns) + "," + std::to_string(epoch) +
+         valuesText(lens, covariance) + "," + json::number(uncertainty_px) + "," +
+         toString(state) + "," + quoted(of) + "\n";
+}
+
+// From its first bag to its last.
+std::pair<std::int64_t, std::int64_t> spanOf(const CameraHistory& history, int epoch) {
+  std::pair<std::int64_t, std::int64_t> span{std::numeric_limits<std::int64_t>::max(), 0};
+  for (const HistoricBag& bag : history.bags) {
+    if (bag.epoch != epoch) continue;
+    span.first = std::min(span.first, bag.record.begin_ns);
+    span.second = std::max(span.second, bag.record.end_ns);
+  }
+  return span;
+}
+
+// Epochs count from 1; 0: a bag that is left out.
+std::string historyText(const CameraResult& camera) {
+  const CameraHistory& history = camera.history;
+  std::string text = historyHeader(history.lens);
+  for (const HistoricBag& bag : history.bags) {
+    if (!bag.problem.empty()) continue;
+    text += historyRow(bag.record.begin_ns, bag.record.end_ns, bag.epoch + 1, bag.used.lens,
+                       bag.used.covariance, bag.used.uncertainty_px, bag.record.state,
+                       bag.record.bag);
+  }
+  for (int e = 0; e < history.epochs(); ++e) {
+    const EpochResult& epoch = camera.epochs[static_cast<std::size_t>(e)];
+    if (!epoch.solved) continue;
+    const auto [begin_ns, end_ns] = spanOf(history, e);
+    text += historyRow(begin_ns, end_ns, e + 1, epoch.lens, epoch.solution.covariance,
+                       epoch.solution.uncertainty_px, epoch.solution.health.state, "all together");
+  }
+  return text;
+}
+
+void addWorth(const EpochResult& epoch, const std::vector<WantedSegment>& wanted,
+              std::vector<BagWorth>* worth) {
+  IntrinsicsMatrix all;
+  for (const IntrinsicsMatrix& taught : epoch.solution.taught) {
+    if (taught.size() > 0) all = all.size() == 0 ? taught : IntrinsicsMatrix(all + taught);
+  }
+  for (std::size_t b = 0; b < epoch.solution.taught.size(); ++b) {
+    const IntrinsicsMatrix& taught = epoch.solution.taught[b];
+    if (taught.size() > 0) (*worth)[b].growth = teachingOf(epoch.lens, all, taught).image;
+  }
+  for (const WantedSegment& segment : wanted) ++(*worth)[segment.bag].segments;
+}
+
+std::string cameraJson(const CameraResult& camera) {
+  const EpochResult& present = camera.present();
+  std::vector<std::string> values, sigmas, changes;
+  if (present.solved) {
+    for (Eigen::Index i = 0; i < present.lens.estimatedCount(); ++i) {
+      values.push_back(json::number(present.lens.parameters()(i)));
+      sigmas.push_back(json::number(std::sqrt(present.solution.covariance(i, i))));
+    }
+  }
+  for (const EpochBoundary& change : camera.history.changes) {
+    changes.push_back(json::object(
+        {{"before", json::seconds(camera.history.bags[change.first].record.begin_ns)},
+         {"p_value", json::number(change.p_value)}}));
+  }
+  return json::object(
+      {{"camera", json::string(camera.history.name)},
+       {"verdict", json::string(toString(verdictOf(camera)))},
+       {"sentence", json::string(sentenceOf(camera))},
+       {"bags", std::to_string(camera.history.bags.size())},
+       {"epochs", std::to_string(camera.history.epochs())},
+       {"changes", json::array(changes)},
+       {"model", json::string(toString(camera.history.lens.model()))},
+       {"values", json::array(values)},
+       {"sigma", json::array(sigmas)},
+       {"pixel_uncertainty_rms", json::number(present.solution.uncertainty_px)},
+       {"scatter_of_bags_px", json::number(present.solution.tau_px)},
+       {"sibling_p_value", json::number(camera.siblings.p_value)},
+       {"sibling_distance_px", json::number(camera.siblings.distance_px)}});
+}
+
+}  // namespace
+
+CameraResult writeCamera(const CameraHistory& history, const SegmentStore& store,
+                         const MergeOptions& options, const std::string& folder) {
+  CameraResult result;
+  result.history = history;
+  result.worth.resize(history.bags.size());
+  for (int e = 0; e < history.epochs(); ++e) {
+    EpochResult epoch;
+    epoch.solution = solveEpoch(history, e, store, options);
+    epoch.solved = epoch.solution.learnt != nullptr;
+    if (epoch.solved) epoch.lens = epoch.solution.learnt->camera;
+    addWorth(epoch, epoch.solution.segments, &result.worth);
+    result.epochs.push_back(std::move(epoch));
+  }
+  // All segments are loaded: what they were read from may be replaced.
+  removeEarlier(folder, fileStem(history.name));
+  for (int e = 0; e < history.epochs(); ++e) {
+    EpochSolution& solution = result.epochs[static_cast<std::size_t>(e)].solution;
+    writeEpoch(folder, stemOf(history, e), history.name, solution);
+    solution.learnt.reset();
+  }
+  writeText(fs::path(folder) / (fileStem(history.name) + ".history.csv"), historyText(result));
+  return result;
+}
+
+void writeFleet(const std::vector<CameraResult>& cameras, const std::string& folder) {
+  std::vector<std::string> verdicts;
+  std::string bags = "camera,bag,begin,end,epoch,segments_used,error_growth_without,version\n";
+  for (const CameraResult& camera : cameras) {
+    verdicts.push_back(cameraJson(camera));
+    for (std::size_t i = 0; i < camera.history.bags.size(); ++i) {
+      const HistoricBag& bag = camera.history.bags[i];
+      bags += quoted(camera.history.name) + "," + quoted(bag.record.bag) + "," +
+              json::seconds(bag.record.begin_ns) + "," + json::seconds(bag.record.end_ns) + "," +
+              std::to_string(bag.epoch + 1) + "," + std::to_string(camera.worth[i].segments) +
+              "," + json::number(camera.worth[i].growth) + "," + quoted(bag.record.version) + "\n";
+    }
+  }
+  writeText(fs::path(folder) / "fleet.json", json::array(verdicts) + "\n");
+  writeText(fs::path(folder) / "bags.csv", bags);
+}
+
+}  // namespace camera_self_calibration

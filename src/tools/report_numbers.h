@@ -1,0 +1,36 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/plotting/palette.h"
+
+namespace camera_self_calibration {
+
+// Numbers as they stand in reports.
+
+/// "-" for what is not a finite number.
+inline std::string number(double value, int decimals) {
+  return std::isfinite(value) ? formatted("%.*f", decimals, value) : "-";
+}
+
+/// Decimals that show two digits of a sigma.
+inline int decimalsFor(double sigma) {
+  if (!(sigma > 0.0) || !std::isfinite(sigma)) return 4;
+  return std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 8);
+}
+
+/// Of an error that grows by a share.
+inline std::string percent(double share, int decimals = 1) {
+  if (!std::isfinite(share)) return "not observable without it";
+  return number(100.0 * share, decimals) + " %";
+}
+
+/// For HtmlPage.
+inline std::string cssColour(const Colour& bgr) {
+  return formatted("rgb(%.0f,%.0f,%.0f)", bgr[2], bgr[1], bgr[0]);
+}
+
+}  // namespace camera_self_calibration

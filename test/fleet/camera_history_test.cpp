@@ -1,0 +1,70 @@
+#include "camera_self_calibration/fleet/camera_history.h"
+
+#include <gtest/gtest.h>
+
+#include "camera_self_calibration/base/formatted.h"
+#include "estimation/sample_segments.h"
+#include "fleet/made_estimates.h"
+
+namespace camera_self_calibration {
+namespace {
+
+BagRecord recordOn(int day, double zoom, const std::string& camera = "front") {
+  Random random(static_cast<std::uint64_t>(100 + day));
+  const Estimate estimate = madeEstimate(zoomed(zoom), 0.05, 0.0, &random);
+  BagRecord record;
+  record.bag = formatted("day%d.bag", day);
+  record.camera = camera;
+  record.begin_ns = (1700000000LL + 86400LL * day) * 1000000000LL;
+  record.end_ns = record.begin_ns + 20000000000LL;
+  record.lens = withParameters(madeLens(), estimate.value);
+  record.covariance = estimate.covariance;
+  record.uncertainty_px = 0.05;
+  return record;
+}
+
+std::vector<CameraHistory> histories(std::vector<BagRecord> records) {
+  return historiesOf(std::move(records), SegmentStore(), 0.01);
+}
+
+TEST(CameraHistory, BagsAreOrderedInTimeWhateverWayTheyCame) {
+  const std::vector<CameraHistory> found =
+      histories({recordOn(3, 1.01), recordOn(0, 1.0), recordOn(0, 1.0, "rear"), recordOn(2, 1.01),
+                 recordOn(1, 1.0), recordOn(3, 1.01)});
+  ASSERT_EQ(found.size(), 2u);
+  const CameraHistory& front = found[0];
+  EXPECT_EQ(front.name, "front");
+  ASSERT_EQ(front.bags.size(), 4u) << "the same bag twice counts once";
+  EXPECT_EQ(front.bags[0].record.bag, "day0.bag");
+  EXPECT_EQ(front.bags[3].record.bag, "day3.bag");
+  ASSERT_EQ(front.changes.size(), 1u);
+  EXPECT_EQ(front.changes[0].first, 2u);
+  EXPECT_EQ(found[1].bags.size(), 1u);
+}
+
+TEST(CameraHistory, BagsOfAnotherSizeOrModelAreNamed) {
+  BagRecord small = recordOn(1, 1.0);
+  small.lens = Camera::defaultGuess(CameraModel::kFov, 320, 240);
+  BagRecord other = recordOn(4, 1.0);
+  other.lens = ordinaryCameras()[0];
+  other.covariance = IntrinsicsMatrix::Identity(4, 4);
+  const CameraHistory found =
+      histories({recordOn(0, 1.0), small, recordOn(2, 1.01), recordOn(3, 1.01), other})[0];
+  EXPECT_NE(found.bags[1].problem.find("320 x 240"), std::string::npos);
+  EXPECT_NE(found.bags[4].problem.find("pinhole"), std::string::npos);
+  EXPECT_EQ(found.bags[4].epoch, -1);
+  ASSERT_EQ(found.changes.size(), 1u);
+  EXPECT_EQ(found.changes[0].first, 2u) << "counted in all bags";
+  EXPECT_EQ(found.lens.model(), CameraModel::kFov);
+}
+
+TEST(CameraHistory, WhatABagDoubtsBeyondItsNoiseCounts) {
+  std::vector<BagRecord> records;
+  for (int day = 0; day < 4; ++day) records.push_back(recordOn(day, day < 2 ? 1.0 : 1.003));
+  EXPECT_EQ(histories(records)[0].epochs(), 2);
+  for (BagRecord& record : records) record.uncertainty_px = 1.0;
+  EXPECT_EQ(histories(records)[0].epochs(), 1);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
