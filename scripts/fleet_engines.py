@@ -99,9 +99,12 @@ def submit(script, fleet, options, arguments):
     command = ["sbatch", "--parsable", f"--chdir={fleet.folder}"]
     command += [f"--partition={options.partition}"] if options.partition else []
     done = subprocess.run(command + arguments, input=script, text=True, stdout=subprocess.PIPE)
-    if done.returncode != 0:
+    job = done.stdout.strip().split(";")[0]
+    if not job:
         raise Problem("sbatch refused the job; see above")
-    return done.stdout.strip().split(";")[0]
+    if done.returncode != 0:
+        raise Problem(f"the job {job} ended with the code {done.returncode}; run this again to go on")
+    return job
 
 
 def submit_array(fleet, options, pending):

@@ -198,7 +198,7 @@ void addSiblings(const std::vector<const CameraResult*>& cameras, HtmlPage* page
     if (verdict.siblings == 0 || rows.size() > kRows) continue;
     rows.push_back({camera->history.name, std::to_string(verdict.siblings),
                     number(verdict.distance_px, 2), number(verdict.spread_px, 2),
-                    formatted("%.2g", verdict.p_value), verdict.outlier ? "outlier" : ""});
+                    pText(verdict.p_value), verdict.outlier ? "outlier" : ""});
   }
   page->section("Siblings",
                 "Cameras of one type: the same name after the last slash (robot7/front), model and image "
@@ -219,10 +219,15 @@ struct RankedBag {
   const HistoricBag& historic() const { return camera->history.bags[bag]; }
 };
 
+std::string growthText(const BagWorth& worth) {
+  if (worth.segments == 0) return "-";
+  return (std::isfinite(worth.growth) ? "+" : "") + percent(worth.growth);
+}
+
 Row rowOf(const RankedBag& bag) {
   return {bag.historic().record.bag, bag.camera->history.name,
           timeText(bag.historic().record.begin_ns), std::to_string(bag.worth().segments),
-          bag.worth().segments > 0 ? "+" + percent(bag.worth().growth) : "-"};
+          growthText(bag.worth())};
 }
 
 void addBags(const std::vector<const CameraResult*>& cameras, HtmlPage* page) {

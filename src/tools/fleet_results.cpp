@@ -35,7 +35,7 @@ std::string changeText(const CameraResult& camera, std::size_t number) {
   if (a.solved && b.solved) {
     text += formatted(", by %.2f px rms", pixelDistance(a.lens, b.lens).rms);
   }
-  return text + formatted(" (p = %.1g)", change.p_value);
+  return text + " (" + pText(change.p_value) + ")";
 }
 
 std::string aside(const CameraResult& camera) {
@@ -56,8 +56,9 @@ std::string siblingsText(const SiblingVerdict& siblings) {
   if (!siblings.outlier) return "";
   return formatted(
       " It is %.2f px rms from the mean of its %d siblings, which differ by %.2f px among "
-      "themselves (p = %.1g).",
-      siblings.distance_px, siblings.siblings, siblings.spread_px, siblings.p_value);
+      "themselves (%s).",
+      siblings.distance_px, siblings.siblings, siblings.spread_px,
+      pText(siblings.p_value).c_str());
 }
 
 }  // namespace
@@ -97,6 +98,11 @@ std::string sentenceOf(const CameraResult& camera) {
     text += formatted(" %d better segments are in state files that are gone.", missing);
   }
   return text + aside(camera) + siblingsText(camera.siblings);
+}
+
+std::string pText(double p_value) {
+  // Beyond that it is a matter of rounding.
+  return p_value < 1e-99 ? "p < 1e-99" : formatted("p = %.1g", p_value);
 }
 
 std::string fileStem(const std::string& camera) {

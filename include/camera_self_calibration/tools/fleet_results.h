@@ -49,6 +49,9 @@ std::string sentenceOf(const CameraResult& camera);
 /// "2026-03-01 17:05 UTC", or "12.3 s" on a clock that was never set.
 std::string timeText(std::int64_t stamp_ns);
 
+/// "p = 3e-05".
+std::string pText(double p_value);
+
 /// The name of a camera as that of a file: robot7/front is one in a folder. What a path cannot hold
 /// or would lead elsewhere is replaced.
 std::string fileStem(const std::string& camera);
