@@ -106,9 +106,8 @@ void applySplit(EpochSplit split, const std::vector<std::size_t>& bags, CameraHi
 
 std::vector<CameraHistory> byCamera(std::vector<BagRecord> records) {
   std::map<std::string, CameraHistory> cameras;
-  std::sort(records.begin(), records.end(), [](const BagRecord& a, const BagRecord& b) {
-    return timeAndName(a) < timeAndName(b);
-  });
+  std::sort(records.begin(), records.end(),
+            [](const BagRecord& a, const BagRecord& b) { return timeAndName(a) < timeAndName(b); });
   for (BagRecord& record : records) {
     CameraHistory& history = cameras[record.camera];
     history.name = record.camera;
@@ -128,7 +127,8 @@ Estimate estimateOf(const BagRecord& record) {
   Estimate estimate;
   estimate.value = record.lens.parameters().head(record.lens.estimatedCount());
   const double noise = pixelUncertainty(record.lens, record.covariance).rms;
-  const double beyond = std::max(0.0, record.uncertainty_px * record.uncertainty_px - noise * noise);
+  const double beyond =
+      std::max(0.0, record.uncertainty_px * record.uncertainty_px - noise * noise);
   estimate.covariance = record.covariance + beyond * pixelUnit(record.lens);
   estimate.freedom = record.scatter.freedom;
   return estimate;

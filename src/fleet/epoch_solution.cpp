@@ -176,10 +176,9 @@ EpochSolution solveEpoch(const CameraHistory& history, int epoch, const SegmentS
   const QueueSolution& solution = solved.queue.solution();
   if (!solution.usable || solution.shares.size() != wanted.size()) return result;
   const EstimateSum bags = sumOf(history, epoch);
-  result.tau_px = std::sqrt(
-      scatterBeyond(bags, EstimateSum(solution.camera.parameters().head(
-                                          solution.camera.estimatedCount()),
-                                      pixelUnit(solution.camera))));
+  result.tau_px = std::sqrt(scatterBeyond(
+      bags, EstimateSum(solution.camera.parameters().head(solution.camera.estimatedCount()),
+                        pixelUnit(solution.camera))));
   result.taught = taughtBy(history, wanted, solution);
   result.covariance =
       solution.covariance + scatterOfBags(result.taught, result.tau_px, solution.camera);

@@ -122,9 +122,9 @@ std::vector<EpochSplit> findEpochs(const std::vector<EstimateSeries>& cameras, d
     stretches.push_back({c, std::move(members), finding});
   }
   for (; left > 0; --left) {
-    const auto worst = std::min_element(
-        stretches.begin(), stretches.end(),
-        [](const Stretch& a, const Stretch& b) { return a.finding < b.finding; });
+    const auto worst =
+        std::min_element(stretches.begin(), stretches.end(),
+                         [](const Stretch& a, const Stretch& b) { return a.finding < b.finding; });
     if (!(worst->finding.difference.p_value * static_cast<double>(left) < level)) break;
     apply(cameras, static_cast<std::size_t>(worst - stretches.begin()), &stretches, &splits);
   }

@@ -91,8 +91,7 @@ IntrinsicsMatrix pixelUnit(const Camera& camera) {
 
 double scatterBeyond(const EstimateSum& a, const EstimateSum& b) {
   const double slope = a.scatterSlope() + b.scatterSlope();
-  const double excess =
-      a.chiSquare() + b.chiSquare() - (a.scatterFreedom() + b.scatterFreedom());
+  const double excess = a.chiSquare() + b.chiSquare() - (a.scatterFreedom() + b.scatterFreedom());
   return slope > 0.0 ? std::max(0.0, excess / slope) : 0.0;
 }
 
@@ -118,8 +117,8 @@ double successiveScatter(const std::vector<Estimate>& estimates, const Intrinsic
   const auto excess = [&](double tau_squared) {
     std::vector<double> squares;
     for (std::size_t i = 1; i < estimates.size(); ++i) {
-      const IntrinsicsMatrix covariance = estimates[i - 1].covariance + estimates[i].covariance +
-                                          2.0 * tau_squared * unit;
+      const IntrinsicsMatrix covariance =
+          estimates[i - 1].covariance + estimates[i].covariance + 2.0 * tau_squared * unit;
       const Intrinsics off = estimates[i].value - estimates[i - 1].value;
       squares.push_back(off.dot(Eigen::MatrixXd(covariance).ldlt().solve(Eigen::VectorXd(off))));
     }

@@ -35,8 +35,8 @@ std::string stemOf(const CameraHistory& history, int epoch) {
 void removeEarlier(const fs::path& folder, const std::string& name) {
   for (const char* extension : {".yaml", ".state"}) {
     fs::remove(folder / (name + extension));
-    for (int epoch = 1; fs::remove(folder / formatted("%s.epoch%d%s", name.c_str(), epoch, extension));
-         ++epoch) {
+    for (int epoch = 1;
+         fs::remove(folder / formatted("%s.epoch%d%s", name.c_str(), epoch, extension)); ++epoch) {
     }
   }
 }
@@ -76,8 +76,8 @@ std::string historyRow(std::int64_t begin_ns, std::int64_t end_ns, int epoch, co
                        const IntrinsicsMatrix& covariance, double uncertainty_px,
                        CalibrationState state, const std::string& of) {
   return json::seconds(begin_ns) + "," + json::seconds(end_ns) + "," + std::to_string(epoch) +
-         valuesText(lens, covariance) + "," + json::number(uncertainty_px) + "," +
-         toString(state) + "," + quoted(of) + "\n";
+         valuesText(lens, covariance) + "," + json::number(uncertainty_px) + "," + toString(state) +
+         "," + quoted(of) + "\n";
 }
 
 // From its first bag to its last.
@@ -97,9 +97,9 @@ std::string historyText(const CameraResult& camera) {
   std::string text = historyHeader(history.lens);
   for (const HistoricBag& bag : history.bags) {
     if (!bag.problem.empty()) continue;
-    text += historyRow(bag.record.begin_ns, bag.record.end_ns, bag.epoch + 1, bag.used.lens,
-                       bag.used.covariance, bag.used.uncertainty_px, bag.record.state,
-                       bag.record.bag);
+    text +=
+        historyRow(bag.record.begin_ns, bag.record.end_ns, bag.epoch + 1, bag.used.lens,
+                   bag.used.covariance, bag.used.uncertainty_px, bag.record.state, bag.record.bag);
   }
   for (int e = 0; e < history.epochs(); ++e) {
     const EpochResult& epoch = camera.epochs[static_cast<std::size_t>(e)];
@@ -134,24 +134,23 @@ std::string cameraJson(const CameraResult& camera) {
     }
   }
   for (const EpochBoundary& change : camera.history.changes) {
-    changes.push_back(json::object(
-        {{"before", json::seconds(camera.history.bags[change.first].record.begin_ns)},
-         {"p_value", json::number(change.p_value)}}));
+    changes.push_back(
+        json::object({{"before", json::seconds(camera.history.bags[change.first].record.begin_ns)},
+                      {"p_value", json::number(change.p_value)}}));
   }
-  return json::object(
-      {{"camera", json::string(camera.history.name)},
-       {"verdict", json::string(toString(verdictOf(camera)))},
-       {"sentence", json::string(sentenceOf(camera))},
-       {"bags", std::to_string(camera.history.bags.size())},
-       {"epochs", std::to_string(camera.history.epochs())},
-       {"changes", json::array(changes)},
-       {"model", json::string(toString(camera.history.lens.model()))},
-       {"values", json::array(values)},
-       {"sigma", json::array(sigmas)},
-       {"pixel_uncertainty_rms", json::number(present.solution.uncertainty_px)},
-       {"scatter_of_bags_px", json::number(present.solution.tau_px)},
-       {"sibling_p_value", json::number(camera.siblings.p_value)},
-       {"sibling_distance_px", json::number(camera.siblings.distance_px)}});
+  return json::object({{"camera", json::string(camera.history.name)},
+                       {"verdict", json::string(toString(verdictOf(camera)))},
+                       {"sentence", json::string(sentenceOf(camera))},
+                       {"bags", std::to_string(camera.history.bags.size())},
+                       {"epochs", std::to_string(camera.history.epochs())},
+                       {"changes", json::array(changes)},
+                       {"model", json::string(toString(camera.history.lens.model()))},
+                       {"values", json::array(values)},
+                       {"sigma", json::array(sigmas)},
+                       {"pixel_uncertainty_rms", json::number(present.solution.uncertainty_px)},
+                       {"scatter_of_bags_px", json::number(present.solution.tau_px)},
+                       {"sibling_p_value", json::number(camera.siblings.p_value)},
+                       {"sibling_distance_px", json::number(camera.siblings.distance_px)}});
 }
 
 }  // namespace
@@ -189,8 +188,8 @@ void writeFleet(const std::vector<CameraResult>& cameras, const std::string& fol
       const HistoricBag& bag = camera.history.bags[i];
       bags += quoted(camera.history.name) + "," + quoted(bag.record.bag) + "," +
               json::seconds(bag.record.begin_ns) + "," + json::seconds(bag.record.end_ns) + "," +
-              std::to_string(bag.epoch + 1) + "," + std::to_string(camera.worth[i].segments) +
-              "," + json::number(camera.worth[i].growth) + "," + quoted(bag.record.version) + "\n";
+              std::to_string(bag.epoch + 1) + "," + std::to_string(camera.worth[i].segments) + "," +
+              json::number(camera.worth[i].growth) + "," + quoted(bag.record.version) + "\n";
     }
   }
   writeText(fs::path(folder) / "fleet.json", json::array(verdicts) + "\n");

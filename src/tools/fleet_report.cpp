@@ -85,16 +85,16 @@ std::string withSigma(const EpochResult& epoch, Eigen::Index i) {
 
 void addCameras(const std::vector<const CameraResult*>& cameras, HtmlPage* page) {
   const std::size_t shown = std::min(kRows, cameras.size());
-  page->section("Cameras", "The present lens, one sigma." + inAll(shown, cameras.size(),
-                                                                  "fleet.json"));
+  page->section("Cameras",
+                "The present lens, one sigma." + inAll(shown, cameras.size(), "fleet.json"));
   std::vector<Row> rows = {{"camera", "verdict", "bags", "epochs", "model", "fx [px]", "fy [px]",
                             "cx [px]", "cy [px]", "error [px rms]"}};
   for (std::size_t i = 0; i < shown; ++i) {
     const CameraResult& camera = *cameras[i];
     const EpochResult& present = camera.present();
     Row row = {camera.history.name, toString(verdictOf(camera)),
-               std::to_string(camera.history.bags.size()),
-               std::to_string(camera.history.epochs()), toString(camera.history.lens.model())};
+               std::to_string(camera.history.bags.size()), std::to_string(camera.history.epochs()),
+               toString(camera.history.lens.model())};
     for (Eigen::Index k = 0; k < 4; ++k) row.push_back(withSigma(present, k));
     row.push_back(present.solved ? number(present.solution.uncertainty_px, 3) : "-");
     rows.push_back(std::move(row));
@@ -200,11 +200,12 @@ void addSiblings(const std::vector<const CameraResult*>& cameras, HtmlPage* page
                     number(verdict.distance_px, 2), number(verdict.spread_px, 2),
                     pText(verdict.p_value), verdict.outlier ? "outlier" : ""});
   }
-  page->section("Siblings",
-                "Cameras of one type: the same name after the last slash (robot7/front), model and image "
-                "size. An "
-                "outlier is further from the mean of the others than its uncertainty, theirs and "
-                "the spread of the type allow.");
+  page->section(
+      "Siblings",
+      "Cameras of one type: the same name after the last slash (robot7/front), model and image "
+      "size. An "
+      "outlier is further from the mean of the others than its uncertainty, theirs and "
+      "the spread of the type allow.");
   if (rows.size() > 1) {
     page->table(rows);
   } else {
@@ -246,9 +247,9 @@ void addBags(const std::vector<const CameraResult*>& cameras, HtmlPage* page) {
     for (std::size_t i = 0; i < std::min(most, bags.size()); ++i) rows.push_back(rowOf(bags[i]));
     page->table(rows);
   };
-  page->section("Bags that taught most",
-                "The calibrations rest on segments of " + std::to_string(best.size()) + " bags." +
-                    inAll(kBestBags, best.size(), "bags.csv"));
+  page->section("Bags that taught most", "The calibrations rest on segments of " +
+                                             std::to_string(best.size()) + " bags." +
+                                             inAll(kBestBags, best.size(), "bags.csv"));
   table(best, kBestBags);
   page->section("Bags that could be deleted",
                 "No calibration rests on a segment of these " + std::to_string(idle.size()) +

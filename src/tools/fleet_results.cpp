@@ -57,8 +57,7 @@ std::string siblingsText(const SiblingVerdict& siblings) {
   return formatted(
       " It is %.2f px rms from the mean of its %d siblings, which differ by %.2f px among "
       "themselves (%s).",
-      siblings.distance_px, siblings.siblings, siblings.spread_px,
-      pText(siblings.p_value).c_str());
+      siblings.distance_px, siblings.siblings, siblings.spread_px, pText(siblings.p_value).c_str());
 }
 
 }  // namespace

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/program_arguments.h"
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/fleet/state_solution.h"
 #include "camera_self_calibration/queue/candidate_window.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "camera_self_calibration/simulation/segment_maker.h"
-#include "benchmark/program_arguments.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -93,10 +93,8 @@ int run(const ArgumentValues& values) {
 
 int main(int argc, char** argv) {
   using namespace camera_self_calibration;
-  const auto values = readArguments(argc, argv,
-                                    {{"--folder", "made_states"},
-                                     {"--cameras", "100"},
-                                     {"--bags", "100"},
-                                     {"--segments", "10"}});
+  const auto values = readArguments(
+      argc, argv,
+      {{"--folder", "made_states"}, {"--cameras", "100"}, {"--bags", "100"}, {"--segments", "10"}});
   return values ? run(*values) : 1;
 }

@@ -22,20 +22,20 @@ TEST(Epochs, ARefocusIsFoundAndDated) {
 }
 
 TEST(Epochs, SeveralChangesAndTheLastBagAlone) {
-  const auto splits =
-      findEpochs({madeSeries({1, 1, 1, 1, 1.02, 1.02, 1.02, 0.99, 0.99, 1.03}, 0.05, 0.0, 3)}, 0.01);
+  const auto splits = findEpochs(
+      {madeSeries({1, 1, 1, 1, 1.02, 1.02, 1.02, 0.99, 0.99, 1.03}, 0.05, 0.0, 3)}, 0.01);
   EXPECT_EQ(splits[0].epoch, (std::vector<int>{0, 0, 0, 0, 1, 1, 1, 2, 2, 3}));
 }
 
 TEST(Epochs, ABagOfAnotherCameraIsNoChange) {
-  const auto splits =
-      findEpochs({madeSeries({1, 1, 1, 1.05, 1, 1, 1}, 0.05, 0.0, 4)}, 0.01);
+  const auto splits = findEpochs({madeSeries({1, 1, 1, 1.05, 1, 1, 1}, 0.05, 0.0, 4)}, 0.01);
   EXPECT_EQ(splits[0].epochs(), 1);
   EXPECT_EQ(splits[0].epoch, (std::vector<int>{0, 0, 0, -1, 0, 0, 0}));
 }
 
 TEST(Epochs, EachCameraHasItsOwn) {
-  const auto splits = findEpochs({madeSeries({1, 1, 1}, 0.05, 0.0, 5), {madeLens(), {}},
+  const auto splits = findEpochs({madeSeries({1, 1, 1}, 0.05, 0.0, 5),
+                                  {madeLens(), {}},
                                   madeSeries({1}, 0.05, 0.0, 6),
                                   madeSeries({1, 1.02}, 0.05, 0.0, 7)},
                                  0.01);

@@ -63,7 +63,8 @@ TEST(Spread, AnEstimateOfNothingIsNotTaken) {
 TEST(Spread, ScatterBeyondTheSigmasIsFoundAndMakesTheMeanLessCertain) {
   double found = 0.0;
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
-    const EstimateSum sum = sumOf(madeSeries(std::vector<double>(12, 1.0), 0.1, 0.3, seed).estimates);
+    const EstimateSum sum =
+        sumOf(madeSeries(std::vector<double>(12, 1.0), 0.1, 0.3, seed).estimates);
     found += std::sqrt(scatterBeyond(sum, sumOf({}))) / 30.0;
   }
   EXPECT_NEAR(found, 0.3, 0.03);

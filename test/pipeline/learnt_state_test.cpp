@@ -272,8 +272,8 @@ TEST(LearntState, KeepsTheRecordsOfItsBags) {
   record.state = CalibrationState::kConverging;
   record.lens_changes = 2;
   record.lens = state.camera;
-  record.covariance =
-      0.25 * IntrinsicsMatrix::Identity(state.camera.estimatedCount(), state.camera.estimatedCount());
+  record.covariance = 0.25 * IntrinsicsMatrix::Identity(state.camera.estimatedCount(),
+                                                        state.camera.estimatedCount());
   record.uncertainty_px = 0.5;
   record.misfit_px = 0.125;
   record.scatter = {12.5, 8};

@@ -21,16 +21,16 @@ struct EpochSolution {
   std::shared_ptr<const LearntState> learnt;
   IntrinsicsMatrix covariance;  ///< n_c x n_c.
   HealthVerdict health;
-  double uncertainty_px = 0.0;  ///< Expected error over the image, all considered [px rms].
-  double tau_px = 0.0;  ///< By how much bags scatter beyond what they say [px rms].
-  std::vector<WantedSegment> segments;   ///< Of the merged queue.
+  double uncertainty_px = 0.0;          ///< Expected error over the image, all considered [px rms].
+  double tau_px = 0.0;                  ///< By how much bags scatter beyond what they say [px rms].
+  std::vector<WantedSegment> segments;  ///< Of the merged queue.
   std::vector<IntrinsicsMatrix> taught;  ///< By each bag of the history, in the queue; or empty.
   int missing = 0;  ///< Segments that would have been better, in files that are gone.
 };
 
-/// The best segments of an epoch's bags, those with the lowest entropy first, such that none share a
-/// moment: what the queue's rule comes to where it is offered the best first. A function of the set
-/// of bags alone, whatever way they came.
+/// The best segments of an epoch's bags, those with the lowest entropy first, such that none share
+/// a moment: what the queue's rule comes to where it is offered the best first. A function of the
+/// set of bags alone, whatever way they came.
 std::vector<WantedSegment> bestSegments(const CameraHistory& history, int epoch, int count,
                                         const SegmentStore& store, int* missing);
 

@@ -16,11 +16,11 @@ struct Sibling {
 
 /// How a camera compares with the others of its type.
 struct SiblingVerdict {
-  int siblings = 0;           ///< Others of its type; 0: nothing to compare with.
+  int siblings = 0;  ///< Others of its type; 0: nothing to compare with.
   bool outlier = false;
-  double distance_px = 0.0;   ///< From the mean of the others [px rms].
-  double spread_px = 0.0;     ///< tau of the others: how far cameras of this type differ.
-  double p_value = 1.0;       ///< Before any correction for the number of cameras.
+  double distance_px = 0.0;  ///< From the mean of the others [px rms].
+  double spread_px = 0.0;    ///< tau of the others: how far cameras of this type differ.
+  double p_value = 1.0;      ///< Before any correction for the number of cameras.
 };
 
 /// The type of a camera: what follows the last slash of its name, as in robot7/front, with model

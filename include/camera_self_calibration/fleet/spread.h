@@ -80,8 +80,9 @@ struct Difference {
 Difference difference(const EstimateSum& a, const EstimateSum& b,
                       double most_tau_squared = std::numeric_limits<double>::infinity());
 
-/// The tau^2 that explains how estimates differ from the next one, in the median [px^2]: a lens that
-/// changes now and then does not count. 0 where their covariances do. `unit` as in EstimateSum.
+/// The tau^2 that explains how estimates differ from the next one, in the median [px^2]: a lens
+/// that changes now and then does not count. 0 where their covariances do. `unit` as in
+/// EstimateSum.
 double successiveScatter(const std::vector<Estimate>& estimates, const IntrinsicsMatrix& unit);
 
 }  // namespace camera_self_calibration

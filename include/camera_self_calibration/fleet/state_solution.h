@@ -18,8 +18,8 @@ struct StateSolution {
   double row_time_sigma_s = 0.0;
 };
 
-/// As a robot that starts with the state would solve it, of all its segments, in this order. The row
-/// time is estimated anew from them, unless none of the runs did.
+/// As a robot that starts with the state would solve it, of all its segments, in this order. The
+/// row time is estimated anew from them, unless none of the runs did.
 StateSolution solveState(const LearntState& state, int threads = 1);
 
 /// The segments evaluated anew with the model of `lens`, from there on; the estimate is theirs

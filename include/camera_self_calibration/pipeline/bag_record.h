@@ -20,10 +20,10 @@ struct SegmentMark {
 /// What one bag told of one camera, in a kilobyte: enough to hold it against other bags without
 /// their video, and to know which segments are wanted.
 struct BagRecord {
-  std::string bag;         ///< Path of the bag, folder or video.
-  std::string camera;      ///< Name of the physical camera.
-  std::string version;     ///< Of the program that read it.
-  std::string state_file;  ///< Which holds all of its segments; empty: not known.
+  std::string bag;            ///< Path of the bag, folder or video.
+  std::string camera;         ///< Name of the physical camera.
+  std::string version;        ///< Of the program that read it.
+  std::string state_file;     ///< Which holds all of its segments; empty: not known.
   std::int64_t begin_ns = 0;  ///< First and last image.
   std::int64_t end_ns = 0;
   std::int64_t images = 0;

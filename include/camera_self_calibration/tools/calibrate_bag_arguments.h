@@ -15,7 +15,7 @@ namespace camera_self_calibration {
 struct CalibrateBagArguments {
   SourceOptions source;
   Options options;
-  std::string out;  ///< Folder for the results; empty: none are written.
+  std::string out;         ///< Folder for the results; empty: none are written.
   std::string state_out;   ///< File for what was learnt; empty: none is written.
   std::string camera;      ///< Name of the camera in it; empty: the topic, folder or file.
   bool overwrite = false;  ///< `state_out`, whatever it holds.

@@ -25,10 +25,10 @@ constexpr const char* kPartial = "PARTIAL: the run was interrupted before the la
 
 /// What a run over stored images leaves behind.
 struct Recording {
-  bool complete = true;                    ///< False: stopped before the last image.
-  std::int64_t frames = 0;                 ///< Images processed.
-  std::int64_t keyframes = 0;              ///< Among them.
-  std::int64_t begin_ns = 0;               ///< First and last of them.
+  bool complete = true;        ///< False: stopped before the last image.
+  std::int64_t frames = 0;     ///< Images processed.
+  std::int64_t keyframes = 0;  ///< Among them.
+  std::int64_t begin_ns = 0;   ///< First and last of them.
   std::int64_t end_ns = 0;
   double processing_seconds = 0.0;         ///< Wall time of the run, reading included [s].
   std::vector<TimedPose> poses;            ///< Of the images that were tracked.
