@@ -28,6 +28,10 @@ enum ExitCode {
   kCannotTell = 6
 };
 
+int exitCode(CalibrationState state) {
+  return state == CalibrationState::kConverged ? kConverged : kNotConverged;
+}
+
 int exitCode(const Recording& recording) {
   if (recording.audit) {
     switch (recording.audit->verdict) {
@@ -39,7 +43,7 @@ int exitCode(const Recording& recording) {
         return kCannotTell;
     }
   }
-  return recording.final_report.state == CalibrationState::kConverged ? kConverged : kNotConverged;
+  return exitCode(recording.final_report.state);
 }
 
 void write(const CalibrateBagArguments& arguments, const std::string& name,
@@ -59,10 +63,6 @@ void write(const CalibrateBagArguments& arguments, const std::string& name,
   if (!file.flush()) throw std::runtime_error(path + " cannot be written");
 }
 
-int exitCode(CalibrationState state) {
-  return state == CalibrationState::kConverged ? kConverged : kNotConverged;
-}
-
 void writeState(const CalibrateBagArguments& arguments, const std::string& camera,
                 const Recording& recording) {
   const auto state = stateOfBag(recording, arguments.source.path, camera);
@@ -74,7 +74,8 @@ void writeState(const CalibrateBagArguments& arguments, const std::string& camer
 int run(const CalibrateBagArguments& arguments) {
   ImageSource source = openImages(arguments.source);
   const std::string camera = arguments.camera.empty() ? source.name : arguments.camera;
-  if (!arguments.state_out.empty() && !arguments.overwrite) {
+  // A state has no verdict on a calibration: an audit runs the bag again.
+  if (!arguments.state_out.empty() && !arguments.overwrite && !arguments.extras.audited) {
     if (const auto done = finishedState(arguments.state_out, arguments.source.path, camera)) {
       std::cout << arguments.state_out << " holds what this bag told of the camera '" << camera
                 << "' already: " << toString(done->state) << '\n';
