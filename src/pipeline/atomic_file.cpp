@@ -1,21 +1,27 @@
 #include "camera_self_calibration/pipeline/atomic_file.h"
 
 #include <fcntl.h>
+#include <signal.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <optional>
 #include <system_error>
 
 namespace camera_self_calibration {
 namespace {
 
 constexpr std::uintmax_t kMaxBytes = 256u << 20;
+
+// Behind it, the process that writes.
+const char* const kBeside = ".new.";
 
 std::string failure(const std::string& what, const std::string& path, int error) {
   return what + " " + path + ": " + std::strerror(error);
@@ -46,6 +52,26 @@ void flushFolder(const std::string& folder) {
   ::close(file);
 }
 
+/// The process that writes `name`, if that is a file beside `target` (see writeFileAtomically).
+std::optional<pid_t> writerOf(const std::string& name, const std::string& target) {
+  const std::string begin = target + kBeside;
+  if (name.compare(0, begin.size(), begin) != 0) return std::nullopt;
+  pid_t process = 0;
+  const char* const end = name.data() + name.size();
+  const auto [rest, error] = std::from_chars(name.data() + begin.size(), end, process);
+  return error == std::errc() && rest == end && process > 0 ? std::optional(process) : std::nullopt;
+}
+
+/// What processes that were killed while they wrote have left beside `target`.
+void removeLeftovers(const std::filesystem::path& folder, const std::string& target) {
+  std::error_code error;
+  for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end;
+       at.increment(error)) {
+    const std::optional<pid_t> writer = writerOf(at->path().filename().string(), target);
+    if (writer && ::kill(*writer, 0) != 0 && errno == ESRCH) ::unlink(at->path().c_str());
+  }
+}
+
 }  // namespace
 
 std::string writeFileAtomically(const std::string& given_path, const std::string& bytes) {
@@ -61,7 +87,8 @@ std::string writeFileAtomically(const std::string& given_path, const std::string
   if (made) {
     return "cannot write " + path + ": the folder cannot be made: " + made.message();
   }
-  const std::string beside = path + ".new." + std::to_string(::getpid());
+  removeLeftovers(folder, target.filename().string());
+  const std::string beside = path + kBeside + std::to_string(::getpid());
   if (const int error = writeAndFlush(beside, bytes)) {
     ::unlink(beside.c_str());
     return failure("cannot write", beside, error);

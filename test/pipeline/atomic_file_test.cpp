@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -25,6 +26,7 @@ class AtomicFile : public testing::Test {
     fs::permissions(folder_, fs::perms::owner_all);
     fs::remove_all(folder_);
   }
+  std::string path(const std::string& name) const { return folder_ / name; }
   int files() const { return static_cast<int>(std::distance(fs::directory_iterator(folder_), {})); }
 
   fs::path folder_;
@@ -39,6 +41,24 @@ TEST_F(AtomicFile, WritesReadsAndReplaces) {
   EXPECT_EQ(readFile(path).bytes, "second");
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_ / "deep" / "deeper"), {}), 1)
       << "nothing is left beside it";
+}
+
+// Else a node that is killed now and then fills the folder.
+TEST_F(AtomicFile, WhatKilledProcessesLeftBesideItGoes) {
+  const pid_t dead = ::fork();
+  if (dead == 0) ::_exit(0);
+  ASSERT_EQ(::waitpid(dead, nullptr, 0), dead);
+  const std::string ended = ".new." + std::to_string(dead);
+  const std::string living = path("kept.new.") + std::to_string(::getppid());
+  ASSERT_EQ(writeFileAtomically(path("kept") + ended, "half a fi"), "");
+  ASSERT_EQ(writeFileAtomically(path("other") + ended, "of another file"), "");
+  ASSERT_EQ(writeFileAtomically(path("kept.new.1x"), "of the user"), "");
+  ASSERT_EQ(writeFileAtomically(living, "being written"), "");
+  ASSERT_EQ(writeFileAtomically(path("kept"), "new"), "");
+  EXPECT_FALSE(fs::exists(path("kept") + ended));
+  EXPECT_TRUE(fs::exists(path("other") + ended));
+  EXPECT_TRUE(fs::exists(path("kept.new.1x")));
+  EXPECT_TRUE(fs::exists(living));
 }
 
 TEST_F(AtomicFile, BehindALinkTheFileIsReplaced) {
