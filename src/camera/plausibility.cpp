@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/image_size.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -21,7 +22,11 @@ bool isNear(double position, int size) {
 
 std::string implausibility(const Camera& camera) {
   if (!camera.valid()) return "the values are not valid ones of the model";
-  if (camera.width() <= 0 || camera.height() <= 0) return "the image size is missing";
+  if (camera.width() == 0 || camera.height() == 0) return "the image size is missing";
+  if (!isImageSize(camera.width(), camera.height())) {
+    return formatted("images of %d x %d are too large for a camera", camera.width(),
+                     camera.height());
+  }
   const Intrinsics& p = camera.parameters();
   const double longer = std::max(camera.width(), camera.height());
   for (const double focal_length : {p(0), p(1)}) {

@@ -3,6 +3,8 @@
 #include <cmath>
 
 #include "byte_stream.h"
+#include "camera_self_calibration/camera/image_size.h"
+#include "checksum.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -15,15 +17,6 @@ constexpr std::uint64_t kWithoutShutter = 1;
 constexpr std::size_t kChecksumBytes = 8;
 constexpr int kModels = 4;
 constexpr int kStates = 5;
-
-/// FNV-1a: finds damage, not malice.
-std::uint64_t checksum(const char* bytes, std::size_t size) {
-  std::uint64_t hash = 14695981039346656037ULL;
-  for (std::size_t i = 0; i < size; ++i) {
-    hash = (hash ^ static_cast<unsigned char>(bytes[i])) * 1099511628211ULL;
-  }
-  return hash;
-}
 
 void write(const Camera& camera, ByteWriter* out) {
   out->integer(static_cast<std::uint64_t>(camera.model()));
@@ -291,7 +284,7 @@ bool isSound(const BagRecord& record) {
 
 std::vector<std::string> LearntState::problems() const {
   std::vector<std::string> list;
-  if (!camera.valid() || camera.width() <= 0 || camera.height() <= 0) {
+  if (!camera.valid() || !isImageSize(camera.width(), camera.height())) {
     list.push_back("its camera is not valid");
     return list;
   }

@@ -72,15 +72,6 @@ Rival worstRival(ScoreKind kind, const std::vector<SegmentScore>& segments) {
 
 }  // namespace
 
-std::string toString(ScoreKind kind) { return kind == ScoreKind::kPixel ? "pixel" : "entropy"; }
-
-std::optional<ScoreKind> scoreKindFromString(const std::string& name) {
-  for (const ScoreKind kind : {ScoreKind::kEntropy, ScoreKind::kPixel}) {
-    if (toString(kind) == name) return kind;
-  }
-  return std::nullopt;
-}
-
 QueueDecision QueuePolicy::consider(const SegmentScore& candidate,
                                     const std::vector<SegmentScore>& segments,
                                     const Camera& camera) const {

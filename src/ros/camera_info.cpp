@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/rational_fit.h"
 
 namespace camera_self_calibration {
@@ -19,6 +20,11 @@ bool isZero(double value) { return value == 0.0; }
 bool isRational(const sensor_msgs::CameraInfo& info) {
   return info.distortion_model == sensor_msgs::distortion_models::RATIONAL_POLYNOMIAL &&
          info.D.size() == kRationalCount;
+}
+
+/// None at all, or one of images.
+bool hasPossibleSize(const sensor_msgs::CameraInfo& info) {
+  return info.width == 0 || info.height == 0 || isImageSize(info.width, info.height);
 }
 
 void setMatrices(const Intrinsics& p, sensor_msgs::CameraInfo* info) {
@@ -89,7 +95,7 @@ sensor_msgs::CameraInfo uncalibratedCameraInfo(int width, int height) {
 }
 
 std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info) {
-  if (!(info.K[0] > 0.0 && info.K[4] > 0.0)) return std::nullopt;
+  if (!(info.K[0] > 0.0 && info.K[4] > 0.0) || !hasPossibleSize(info)) return std::nullopt;
   const bool rational = isRational(info);
   const bool plumb_bob = info.distortion_model == sensor_msgs::distortion_models::PLUMB_BOB;
   const bool equidistant = info.distortion_model == sensor_msgs::distortion_models::EQUIDISTANT;
@@ -122,7 +128,10 @@ std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info) {
 std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info,
                                std::optional<CameraModel> model) {
   std::optional<Camera> camera = toCamera(info);
-  if (camera || !isRational(info) || !(info.K[0] > 0.0 && info.K[4] > 0.0)) return camera;
+  if (camera || !isRational(info) || !(info.K[0] > 0.0 && info.K[4] > 0.0) ||
+      !hasPossibleSize(info)) {
+    return camera;
+  }
   RationalPolynomial polynomial{info.K[0], info.K[4], info.K[2], info.K[5], {}};
   std::copy(info.D.begin(), info.D.end(), polynomial.coefficients.begin());
   const std::optional<CameraFit> fit =

@@ -3,12 +3,12 @@
 #include <cv_bridge/cv_bridge.h>
 #include <sensor_msgs/image_encodings.h>
 
-#include <algorithm>
-#include <array>
 #include <boost/make_shared.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/ros/stamps.h"
+#include "picture_head.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -52,9 +52,8 @@ cv_bridge::CvImageConstPtr shared(const sensor_msgs::ImageConstPtr& message,
 
 /// What is wrong with the message as such, before anything reads its pixels.
 std::string malformed(const sensor_msgs::Image& message) {
-  constexpr std::uint32_t kLargestSide = 32768;
   if (message.width == 0 || message.height == 0) return "the image is empty (size 0)";
-  if (message.width > kLargestSide || message.height > kLargestSide) {
+  if (!isImageSize(message.width, message.height)) {
     return "the image claims the size " + sizeText(message) + ", which is not plausible";
   }
   std::size_t pixel_bytes = 0;
@@ -98,24 +97,9 @@ cv::Mat luminanceOfYuyv(const sensor_msgs::Image& message) {
   return gray;
 }
 
-/// Where the pixels of a JPEG begin: behind the segments of its head, which may hold a preview with
-/// an end of its own.
-std::size_t pixelsOfJpeg(const std::vector<std::uint8_t>& data) {
-  constexpr std::uint8_t kMark = 0xFF;
-  constexpr std::uint8_t kStartOfScan = 0xDA;
-  std::size_t at = 2;
-  while (at + 3 < data.size() && data[at] == kMark && data[at + 1] != kStartOfScan) {
-    at += data[at + 1] == kMark ? 1 : 2 + (std::size_t{data[at + 2]} << 8 | data[at + 3]);
-  }
-  return std::min(at, data.size());
-}
-
-/// A JPEG decoder fills what is missing of a truncated picture with gray and only warns.
-bool isTruncatedJpeg(const std::vector<std::uint8_t>& data) {
-  if (data.size() <= 2 || data[0] != 0xFF || data[1] != 0xD8) return false;
-  constexpr std::array<std::uint8_t, 2> kEndOfImage = {0xFF, 0xD9};
-  const auto pixels = data.begin() + static_cast<std::ptrdiff_t>(pixelsOfJpeg(data));
-  return std::search(pixels, data.end(), kEndOfImage.begin(), kEndOfImage.end()) == data.end();
+std::string impossibleSize(std::int64_t width, std::int64_t height) {
+  return "the compressed image claims the size " + std::to_string(width) + "x" +
+         std::to_string(height) + ", which is not plausible";
 }
 
 }  // namespace
@@ -176,6 +160,10 @@ GrayImage GrayConverter::convert(const sensor_msgs::CompressedImage& message) {
     return failed("the compressed image is truncated (" + std::to_string(message.data.size()) +
                   " bytes without the mark that ends a JPEG picture)");
   }
+  const std::optional<PictureSize> claimed = claimedSize(message.data);
+  if (claimed && !isImageSize(claimed->width, claimed->height)) {
+    return failed(impossibleSize(claimed->width, claimed->height));
+  }
   try {
     // The sensor's pixels as they are: a calibration must not depend on a rotation by metadata.
     // Deep pictures stay deep, since cameras of 10 or 12 bits fill the low bits only.
@@ -185,6 +173,7 @@ GrayImage GrayConverter::convert(const sensor_msgs::CompressedImage& message) {
       return failed("the compressed image (format '" + message.format + "', " +
                     std::to_string(message.data.size()) + " bytes) cannot be decoded");
     }
+    if (!isImageSize(gray.cols, gray.rows)) return failed(impossibleSize(gray.cols, gray.rows));
     if (gray.depth() == CV_16U) gray = toEightBits(gray);
     if (gray.depth() != CV_8U) {
       return failed("the compressed image (format '" + message.format +

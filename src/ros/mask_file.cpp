@@ -9,8 +9,6 @@
 #include "camera_self_calibration/ros/calibration_url.h"
 
 namespace camera_self_calibration {
-namespace {}  // namespace
-
 MaskReading readMask(const std::string& url) {
   if (url.empty()) return {};
   const ResolvedPath resolved = resolvePath(url, "camera");

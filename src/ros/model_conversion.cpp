@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/plausibility.h"
 #include "camera_self_calibration/ros/camera_info.h"
 
@@ -48,6 +49,10 @@ std::string whyNoStart(const sensor_msgs::CameraInfo& info, std::optional<Camera
   if (!areNumbers(info)) return "not all of its values are numbers";
   if (info.K[0] == 0.0) return "it is uncalibrated: its K is zero";
   if (info.width == 0 || info.height == 0) return "it has no image size";
+  if (!isImageSize(info.width, info.height)) {
+    return "no camera has images of " + std::to_string(info.width) + " x " +
+           std::to_string(info.height);
+  }
   if (!(info.K[0] > 0.0 && info.K[4] > 0.0)) return "its focal lengths are not positive";
   if (expected == 0) {
     return "its distortion_model '" + info.distortion_model +

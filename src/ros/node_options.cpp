@@ -1,7 +1,7 @@
 #include "camera_self_calibration/ros/node_options.h"
 
-#include "camera_self_calibration/ros/calibration_keeper.h"
 #include "camera_self_calibration/ros/camera_info.h"
+#include "camera_self_calibration/ros/file_parameters.h"
 #include "camera_self_calibration/ros/parameter_reader.h"
 
 namespace camera_self_calibration {

@@ -4,6 +4,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/plausibility.h"
+#include "camera_self_calibration/ros/file_parameters.h"
 #include "camera_self_calibration/ros/mask_file.h"
 #include "camera_self_calibration/ros/stamps.h"
 

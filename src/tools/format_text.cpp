@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/tools/json.h"
 
 namespace camera_self_calibration {
@@ -23,9 +24,9 @@ std::string withoutStorageHeader(const std::string& text) {
 }
 
 Camera makeCamera(CameraModel model, int width, int height, const std::vector<double>& values) {
-  if (width <= 0 || height <= 0) {
+  if (!isImageSize(width, height)) {
     throw std::runtime_error("the image size " + std::to_string(width) + " x " +
-                             std::to_string(height) + " is not positive");
+                             std::to_string(height) + " is none that a camera has");
   }
   const auto expected = static_cast<std::size_t>(Camera::parameterCount(model));
   const bool with_k3 = model == CameraModel::kRadtan && values.size() == expected + 1;

@@ -36,6 +36,10 @@ TEST(Plausibility, OfValuesThatNoCameraHas) {
   EXPECT_NE(problemOf(-400, 400, 320, 240), "");
   EXPECT_NE(implausibility(Camera(CameraModel::kPinhole, 0, 0, Eigen::Vector4d(400, 400, 1, 1))),
             "");
+  EXPECT_NE(implausibility(
+                Camera(CameraModel::kPinhole, 40000, 30000, Eigen::Vector4d(4e4, 4e4, 2e4, 1e4)))
+                .find("too large"),
+            std::string::npos);
 }
 
 }  // namespace

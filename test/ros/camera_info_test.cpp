@@ -124,6 +124,20 @@ TEST(CameraInfo, UncalibratedIsAllZeros) {
   EXPECT_FALSE(toCamera(info));
 }
 
+TEST(CameraInfo, RefusesImagesLargerThanAnyCamerasAre) {
+  sensor_msgs::CameraInfo info =
+      toCameraInfo(makeCamera(CameraModel::kPinhole, {500, 510, 320, 240}))->info;
+  for (const char* model : {"plumb_bob", "rational_polynomial", "equidistant"}) {
+    info.distortion_model = model;
+    info.D.assign(info.distortion_model == "rational_polynomial" ? 8 : 0, 0.1);
+    for (const std::uint32_t width : {40000u, 252579083u, 0xFFFFFFFFu}) {
+      info.width = width;
+      EXPECT_FALSE(toCamera(info, CameraModel::kFov)) << model << ' ' << width;
+      EXPECT_NE(whyNoStart(info, {}).find("no camera has images of"), std::string::npos);
+    }
+  }
+}
+
 TEST(CameraInfo, RefusesWhatItCannotRead) {
   sensor_msgs::CameraInfo info =
       toCameraInfo(makeCamera(CameraModel::kPinhole, {500, 510, 320, 240}))->info;

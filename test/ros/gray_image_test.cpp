@@ -215,6 +215,29 @@ TEST(GrayImage, RefusesDamagedCompressedImages) {
             std::string::npos);
 }
 
+/// Writes a number of so many bytes, the most significant first.
+void overwrite(std::size_t at, std::size_t bytes, std::uint32_t value,
+               std::vector<std::uint8_t>* data) {
+  for (std::size_t i = 0; i < bytes; ++i) {
+    data->at(at + i) = static_cast<std::uint8_t>(value >> 8 * (bytes - 1 - i));
+  }
+}
+
+// A few bytes may claim gigabytes of pixels.
+TEST(GrayImage, RefusesPicturesThatClaimImpossibleSizes) {
+  sensor_msgs::CompressedImage png = compressed(".png");
+  overwrite(16, 4, 32768, &png.data);
+  overwrite(20, 4, 32768, &png.data);
+  EXPECT_NE(GrayConverter().convert(png).error.find("32768x32768"), std::string::npos);
+  sensor_msgs::CompressedImage jpeg = compressed(".jpg");
+  const std::array<std::uint8_t, 2> start_of_frame = {0xFF, 0xC0};
+  const auto frame =
+      std::search(jpeg.data.begin(), jpeg.data.end(), start_of_frame.begin(), start_of_frame.end());
+  ASSERT_NE(frame, jpeg.data.end());
+  overwrite(static_cast<std::size_t>(frame - jpeg.data.begin()) + 5, 4, 0xFFFFFFFF, &jpeg.data);
+  EXPECT_NE(GrayConverter().convert(jpeg).error.find("65535x65535"), std::string::npos);
+}
+
 TEST(GrayImage, ThePreviewOfAJpegIsNotTakenForItsEnd) {
   cv::Mat noise(48, 64, CV_8UC1);
   cv::randu(noise, 0, 255);

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "camera_self_calibration/ros/calibration_keeper.h"
+#include "camera_self_calibration/ros/file_parameters.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -47,11 +47,4 @@ class CalibrationKeeper {
   std::unique_ptr<ControlServices> services_;
 };
 
-/// Every violated rule of the parameters of files, in one sentence each.
-std::vector<std::string> keepingProblems(const NodeOptions& options);
-
-/// Every two of the files that are one and the same, in one sentence each. `name` is the node's,
-/// which stands for ${NAME} where the camera has no name of its own.
-std::vector<std::string> sameFileProblems(const NodeOptions& options, const std::string& name);
-
 }  // namespace camera_self_calibration

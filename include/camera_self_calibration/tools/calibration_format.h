@@ -26,7 +26,8 @@ std::optional<CalibrationFormat> calibrationFormatFromString(const std::string& 
 /// All names, for messages: "ros, plain, ...".
 std::string calibrationFormatNames();
 
-/// The format of a file's text, from what stands in it; nothing if it is none of them.
+/// The format of a file's text, from what stands in it; nothing if it is none of them. Throws
+/// std::runtime_error that says where what looks like YAML is none.
 std::optional<CalibrationFormat> detectCalibrationFormat(const std::string& text);
 
 struct StoredCalibration {

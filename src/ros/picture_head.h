@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace camera_self_calibration {
+
+struct PictureSize {
+  std::int64_t width = 0;   ///< [px]
+  std::int64_t height = 0;  ///< [px]
+};
+
+/// The size that stands in the head of a JPEG or PNG picture, so that a few bytes that claim a
+/// gigabyte need not be decoded; nothing for other formats, and where it is not found.
+std::optional<PictureSize> claimedSize(const std::vector<std::uint8_t>& data);
+
+/// Whether a JPEG picture ends before its end: a decoder fills what is missing with gray and only
+/// warns. False for other formats.
+bool isTruncatedJpeg(const std::vector<std::uint8_t>& data);
+
+}  // namespace camera_self_calibration
