@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/text.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/model_conversion.h"
 
@@ -21,6 +22,7 @@ struct NamedInfo {
 };
 
 std::optional<NamedInfo> parse(const std::string& text) {
+  if (!isText(text)) return std::nullopt;
   NamedInfo result;
   std::istringstream in(text);
   try {

@@ -156,6 +156,10 @@ cv::Mat GrayConverter::toEightBits(const cv::Mat& deep) {
 
 GrayImage GrayConverter::convert(const sensor_msgs::CompressedImage& message) {
   if (message.data.empty()) return failed("the compressed image is empty");
+  if (!isPicture(message.data)) {
+    return failed("the compressed image (format '" + message.format +
+                  "') cannot be decoded: it is no JPEG, PNG, BMP, PNM, TIFF or WebP picture");
+  }
   if (isTruncatedJpeg(message.data)) {
     return failed("the compressed image is truncated (" + std::to_string(message.data.size()) +
                   " bytes without the mark that ends a JPEG picture)");

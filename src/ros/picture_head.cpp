@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 
 namespace camera_self_calibration {
 namespace {
@@ -41,7 +42,22 @@ std::size_t segment(const Bytes& data, Wanted wanted) {
   return std::min(at, data.size());
 }
 
+bool isWebP(const Bytes& data) {
+  return beginsWith(data, {'R', 'I', 'F', 'F'}) && data.size() >= 12 &&
+         std::equal(data.begin() + 8, data.begin() + 12, "WEBP");
+}
+
+bool isPnm(const Bytes& data) {
+  return beginsWith(data, {'P'}) && data.size() > 2 && data[1] >= '1' && data[1] <= '6';
+}
+
 }  // namespace
+
+bool isPicture(const Bytes& data) {
+  return isJpeg(data) || beginsWith(data, {0x89, 'P', 'N', 'G'}) || beginsWith(data, {'B', 'M'}) ||
+         isPnm(data) || isWebP(data) || beginsWith(data, {'I', 'I', 42, 0}) ||
+         beginsWith(data, {'M', 'M', 0, 42});
+}
 
 std::optional<PictureSize> claimedSize(const Bytes& data) {
   if (beginsWith(data, {0x89, 'P', 'N', 'G'}) && data.size() >= 24) {

@@ -12,6 +12,11 @@ struct PictureSize {
   std::int64_t height = 0;  ///< [px]
 };
 
+/// Whether the first bytes are those of a JPEG, PNG, BMP, PNM, TIFF or WebP picture. OpenCV knows
+/// more formats, which no camera sends; their decoders are less tried, and some write files of
+/// their own.
+bool isPicture(const std::vector<std::uint8_t>& data);
+
 /// The size that stands in the head of a JPEG or PNG picture, so that a few bytes that claim a
 /// gigabyte need not be decoded; nothing for other formats, and where it is not found.
 std::optional<PictureSize> claimedSize(const std::vector<std::uint8_t>& data);

@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/text.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
@@ -29,10 +30,10 @@ std::string contents(const std::string& path) {
   }
   file.read(&text[0], static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(file.gcount()));
-  const std::string problem = text.empty()                          ? "it is empty"
-                              : text.size() > kMaxBytes             ? "it is too long"
-                              : text.find('\0') < std::string::npos ? "it is no text"
-                                                                    : "";
+  const std::string problem = text.empty()              ? "it is empty"
+                              : text.size() > kMaxBytes ? "it is too long"
+                              : !isText(text)           ? "it is no text"
+                                                        : "";
   if (problem.empty()) return text;
   throw std::runtime_error("the calibration file " + path + " cannot be used: " + problem);
 }

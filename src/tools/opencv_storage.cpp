@@ -19,6 +19,12 @@ double numberOf(const cv::FileNode& node, const std::string& key) {
   return node.real();
 }
 
+/// Of the sides of a matrix, for which OpenCV reserves memory before it looks for its numbers.
+bool isShort(const cv::FileNode& side) {
+  constexpr int kLongest = 100;
+  return side.isInt() && static_cast<int>(side) >= 0 && static_cast<int>(side) <= kLongest;
+}
+
 /// OpenCV takes the lowest 32 bits of an integer that has more.
 void refuseLongIntegers(const std::string& text) {
   static const std::regex kLong(R"((^|[\s:,\[>])([-+]?0*[1-9]\d{9,})(?=[\s,\]<]|$))");
@@ -44,40 +50,53 @@ OpenCvStorage::OpenCvStorage(const std::string& text) {
   }
 }
 
-bool OpenCvStorage::has(const std::string& key) const { return !storage_[key].empty(); }
+// Throws, in words of its own, where there is a document in the file that has no keys.
+cv::FileNode OpenCvStorage::at(const std::string& key) const {
+  try {
+    return storage_[key];
+  } catch (const cv::Exception&) {
+    throw std::runtime_error("it is no file with keys and values");
+  }
+}
+
+bool OpenCvStorage::has(const std::string& key) const { return !at(key).empty(); }
 
 bool OpenCvStorage::hasIn(const std::string& group, const std::string& key) const {
-  const cv::FileNode node = storage_[group];
+  const cv::FileNode node = at(group);
   return node.isMap() && !node[key].empty();
 }
 
-double OpenCvStorage::number(const std::string& key) const { return numberOf(storage_[key], key); }
+double OpenCvStorage::number(const std::string& key) const { return numberOf(at(key), key); }
 
 int OpenCvStorage::wholeNumber(const std::string& key) const {
-  const cv::FileNode node = storage_[key];
+  const cv::FileNode node = at(key);
   if (node.empty()) missing(key);
   if (!node.isInt()) throw std::runtime_error("'" + key + "' is no whole number");
   return static_cast<int>(node);
 }
 
 std::string OpenCvStorage::word(const std::string& key) const {
-  const cv::FileNode node = storage_[key];
+  const cv::FileNode node = at(key);
   if (node.empty()) missing(key);
   if (!node.isString()) throw std::runtime_error("'" + key + "' is no text");
   return node.string();
 }
 
 double OpenCvStorage::numberIn(const std::string& group, const std::string& key) const {
-  const cv::FileNode node = storage_[group];
+  const cv::FileNode node = at(group);
   if (!node.isMap()) missing(group);
   return numberOf(node[key], group + ": " + key);
 }
 
 std::vector<double> OpenCvStorage::matrix(const std::string& key) const {
-  if (storage_[key].empty()) missing(key);
+  const cv::FileNode node = at(key);
+  if (node.empty()) missing(key);
   try {
+    if (node.isMap() && !(isShort(node["rows"]) && isShort(node["cols"]))) {
+      throw std::runtime_error("'" + key + "' has too many rows or columns");
+    }
     cv::Mat matrix;
-    storage_[key].mat().convertTo(matrix, CV_64F);
+    node.mat().convertTo(matrix, CV_64F);
     return std::vector<double>(matrix.begin<double>(), matrix.end<double>());
   } catch (const cv::Exception&) {
     throw std::runtime_error("'" + key + "' is no matrix of numbers");

@@ -22,6 +22,8 @@ class OpenCvStorage {
   std::vector<double> matrix(const std::string& key) const;
 
  private:
+  cv::FileNode at(const std::string& key) const;
+
   cv::FileStorage storage_;
 };
 

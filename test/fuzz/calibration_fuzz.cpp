@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "camera_self_calibration/base/text.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 #include "fuzz_bytes.h"
@@ -50,6 +51,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   using namespace camera_self_calibration;
   if (size == 0) return 0;
   const std::string text(reinterpret_cast<const char*>(bytes) + 1, size - 1);
+  if (!isText(text)) return 0;
   constexpr int kFormats = static_cast<int>(CalibrationFormat::kVins) + 1;
   const int given = bytes[0] % (kFormats + 1);
   const std::optional<CalibrationFormat> format =

@@ -140,6 +140,15 @@ TEST_F(CalibrationStoreTest, WhatIsRefusedAsAStartIsNeverWrittenOver) {
   }
 }
 
+// yaml-cpp takes it for UTF-32 and never ends.
+TEST_F(CalibrationStoreTest, AFileThatIsNoTextIsRefused) {
+  const std::string binary("\x2c\0\0\0\xf8\x7f\xba\xff\x7f\0\0\0\0\x06\x38\x20", 16);
+  ASSERT_EQ(writeFileAtomically(options_.calibration_file, binary), "");
+  ASSERT_EQ(load(options_).problems.size(), 1u);
+  EXPECT_FALSE(CalibrationStore(options_).save(smallState(kFov, 3), info()).success);
+  EXPECT_EQ(readFile(options_.calibration_file).bytes, binary);
+}
+
 TEST_F(CalibrationStoreTest, WhatWasLearntOfAnotherLensIsKept) {
   CalibrationStore store(options_);
   ASSERT_TRUE(store.save(smallState(kFov, 0), info()).success);

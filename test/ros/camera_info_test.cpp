@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/ros/model_conversion.h"
 
 namespace camera_self_calibration {
 namespace {

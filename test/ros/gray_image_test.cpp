@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>
 
+#include <algorithm>
+#include <array>
 #include <boost/make_shared.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
@@ -213,6 +215,17 @@ TEST(GrayImage, RefusesDamagedCompressedImages) {
   EXPECT_NE(converter.convert(garbage).error.find("decoded"), std::string::npos);
   EXPECT_NE(converter.convert(sensor_msgs::CompressedImage()).error.find("empty"),
             std::string::npos);
+}
+
+TEST(GrayImage, FormatsThatNoCameraSendsAreNotDecoded) {
+  sensor_msgs::CompressedImage radiance;
+  const std::string head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n";
+  radiance.data.assign(head.begin(), head.end());
+  radiance.data.resize(head.size() + 4, 100);
+  EXPECT_NE(GrayConverter().convert(radiance).error.find("no JPEG, PNG"), std::string::npos);
+  for (const char* extension : {".bmp", ".pgm", ".tiff", ".webp"}) {
+    expectPicture(GrayConverter().convert(compressed(extension)), 4);
+  }
 }
 
 /// Writes a number of so many bytes, the most significant first.

@@ -39,8 +39,8 @@ struct StoredCalibration {
 };
 
 /// Reads one camera; `wanted` is its name in the file (kKalibr: cam0, ...; kColmap: the id;
-/// kOpenCv: 1 or 2; kOrbSlam3: Camera1 or Camera2), needed only where there are several. Throws
-/// std::runtime_error that says what is wrong.
+/// kOpenCv: 1 or 2; kOrbSlam3: Camera1 or Camera2), needed only where there are several. The text
+/// must be isText(). Throws std::runtime_error that says what is wrong.
 StoredCalibration parseCalibration(const std::string& text, CalibrationFormat format,
                                    const std::string& wanted = {});
 
