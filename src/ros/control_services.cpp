@@ -107,28 +107,30 @@ CalibrationStore::Outcome ControlServices::saveTo(CalibrationStore* store, const
 }
 
 bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
+  std::string problem;
   // Not from the saved calibration, which the calibrator may have begun with.
-  const bool done = targets_.with_calibrator([this](SelfCalibrator& calibrator) {
+  const bool done = targets_.with_calibrator([&](SelfCalibrator& calibrator) {
     const Camera now = calibrator.calibration().camera;
-    if (now.width() > 0) calibrator.reset(unlearnt(now.width(), now.height()));
+    if (now.width() > 0) calibrator.reset(unlearnt(now.width(), now.height(), &problem));
   });
   if (done) {
     targets_.camera_info->forget();
     targets_.store->beginAnew();
   }
+  if (!problem.empty()) ROS_WARN_STREAM(node_.getNamespace() << ": " << problem);
   answer(done,
          done ? "everything learnt is forgotten; learning begins with the next image. Saved files "
-                "stay until the calibration is CONVERGED again"
+                "stay until the calibration is CONVERGED again" +
+                    (problem.empty() ? "" : ". " + problem)
               : kNoImage,
          &response);
   return true;
 }
 
-Camera ControlServices::unlearnt(int width, int height) const {
-  std::string problem;
+Camera ControlServices::unlearnt(int width, int height, std::string* problem) const {
   const CameraModel model = options_.pipeline.firstModel();
   const std::optional<Camera> given =
-      startFromParameters(model, options_.initial_intrinsics, width, height, &problem);
+      startFromParameters(model, options_.initial_intrinsics, width, height, problem);
   return given ? *given : Camera::defaultGuess(model, width, height);
 }
 

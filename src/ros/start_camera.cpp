@@ -39,13 +39,9 @@ StartDecision StartCamera::fromFactory(int width, int height, const ros::WallTim
 StartDecision StartCamera::fromParameters(int width, int height) const {
   StartDecision decision;
   if (width != first_width_ || height != first_height_) return decision;
-  std::string problem;
-  decision.camera = startFromParameters(options_->pipeline.firstModel(),
-                                        options_->initial_intrinsics, width, height, &problem);
-  if (!problem.empty()) {
-    decision.sentence = "The parameter initial_intrinsics is not used: " + problem +
-                        ". The calibration starts from a guess.";
-  }
+  decision.camera =
+      startFromParameters(options_->pipeline.firstModel(), options_->initial_intrinsics, width,
+                          height, &decision.sentence);
   return decision;
 }
 
@@ -55,8 +51,11 @@ std::optional<Camera> startFromParameters(CameraModel model, const std::vector<d
   const Camera camera(
       model, width, height,
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
-  *problem = implausibility(camera);
-  return problem->empty() ? std::optional<Camera>(camera) : std::nullopt;
+  const std::string why = implausibility(camera);
+  if (why.empty()) return camera;
+  *problem = "The parameter initial_intrinsics is not used: " + why +
+             ". The calibration starts from a guess.";
+  return std::nullopt;
 }
 
 }  // namespace camera_self_calibration

@@ -1,21 +1,36 @@
 #pragma once
 
 #include <boost/program_options.hpp>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 namespace camera_self_calibration {
 
+/// Refuses the words that boost puts what was wrong in place of: it never comes to an end where
+/// that holds such a word itself. Throws std::runtime_error.
+inline void refusePlaceholders(int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i) {
+    for (const char* word : {"%option%", "%canonical_option%", "%prefix%", "%value%"}) {
+      if (std::strstr(argv[i], word) == nullptr) continue;
+      throw std::runtime_error("the argument '" + std::string(argv[i]) + "' holds " + word +
+                               ", which nothing here is called");
+    }
+  }
+}
+
 /// Reads a program's arguments into the variables that `all` names; `positional` are the options
 /// that may stand without a name, in their order. Nothing if help was asked for: usage and options
-/// are printed then. Throws boost::program_options::error with what is wrong with the arguments.
+/// are printed then. Throws std::exception with what is wrong with the arguments.
 inline std::optional<boost::program_options::variables_map> readCommandLine(
     int argc, const char* const* argv, const boost::program_options::options_description& all,
     const std::vector<std::string>& positional, const char* usage) {
   namespace po = boost::program_options;
+  refusePlaceholders(argc, argv);
   po::positional_options_description unnamed;
   for (const std::string& name : positional) unnamed.add(name.c_str(), 1);
   po::variables_map given;

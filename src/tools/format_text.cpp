@@ -26,7 +26,8 @@ std::string withoutStorageHeader(const std::string& text) {
 Camera makeCamera(CameraModel model, int width, int height, const std::vector<double>& values) {
   if (!isImageSize(width, height)) {
     throw std::runtime_error("the image size " + std::to_string(width) + " x " +
-                             std::to_string(height) + " is none that a camera has");
+                             std::to_string(height) +
+                             (width <= 0 || height <= 0 ? " is not positive" : " is too large"));
   }
   const auto expected = static_cast<std::size_t>(Camera::parameterCount(model));
   const bool with_k3 = model == CameraModel::kRadtan && values.size() == expected + 1;

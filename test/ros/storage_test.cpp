@@ -81,6 +81,9 @@ TEST_F(Storage, SavingThatFailsIsAnErrorUntilItSucceeds) {
   ASSERT_TRUE(robot.step());
   expectSays(trigger("/unsaved/save"), true, "saved to");
   EXPECT_TRUE(storage.says(DiagnosticStatus::OK, "Saved to")) << storage.newest().message;
+  const Answer reset = trigger("/unsaved/reset");
+  expectSays(reset, true, "initial_intrinsics is not used");
+  expectSays(reset, true, "32 and 16000 pixels");
   ASSERT_TRUE(unloadNodelet("/unsaved"));
 }
 

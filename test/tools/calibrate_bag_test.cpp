@@ -382,6 +382,7 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder.string() + " --alpha 2 --queue-segments 0", "queue_segments"},
       {folder.string() + " --initial " + (folder / "missing.yaml"), "cannot be opened"},
       {folder.string() + " --speed 3", "--speed"},
+      {folder.string() + " --rate=%value%", "holds %value%"},
       {folder.string() + " --rate -3", "--rate"},
       {folder.string() + " --report", "--out"},
       {folder.string() + " --ground-truth " + (folder / "missing.tum"), "missing.tum"},

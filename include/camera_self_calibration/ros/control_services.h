@@ -77,7 +77,8 @@ class ControlServices {
     std::int64_t dropped_images = 0;
   };
   std::optional<Present> present() const;
-  Camera unlearnt(int width, int height) const;
+  /// What learning begins with; `problem` says what of the parameters is not used.
+  Camera unlearnt(int width, int height, std::string* problem) const;
   std::string whyNotConverged(const std::optional<Present>& now,
                               const sensor_msgs::CameraInfo& info) const;
   void autosave(bool at_once);

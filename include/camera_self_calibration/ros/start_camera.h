@@ -46,7 +46,7 @@ class StartCamera {
 };
 
 /// The parameter initial_intrinsics, `values` of `model`, for images of this size; nothing, and
-/// `problem` says why, where it cannot be right; nothing where it is not given.
+/// `problem` says so in sentences, where it cannot be right; nothing where it is not given.
 std::optional<Camera> startFromParameters(CameraModel model, const std::vector<double>& values,
                                           int width, int height, std::string* problem);
 
