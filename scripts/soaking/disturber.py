@@ -57,6 +57,8 @@ class Disturber:
     def _fault(self):
         now, pick = time.monotonic(), self._random.uniform
         kind = self._random.choice(["loss", "zoom", "gap", "clock back", "clock ahead", "size", "broken"])
+        if kind == "size" and (self._feed.size != (WIDTH, HEIGHT) or self._random.random() < 0.6):
+            return  # learning anew takes a while, which is not to be all of the run
         if kind == "loss":
             self._feed.covered, self.last_cover = True, now
             self._plan(now + pick(0.3, 6.0), self._uncover)
@@ -69,7 +71,7 @@ class Disturber:
             self._feed.shift_clock(-pick(1.0, 100.0))
         elif kind == "clock ahead":
             self._feed.shift_clock(pick(1.0, 100.0))
-        elif kind == "size" and self._feed.size == (WIDTH, HEIGHT) and self._random.random() < 0.4:
+        elif kind == "size":
             self._feed.resize((240, 180))
             self._plan(now + pick(20.0, 60.0), lambda: self._feed.resize((WIDTH, HEIGHT)))
         elif kind == "broken":
