@@ -15,7 +15,8 @@ namespace camera_self_calibration {
 /// that holds such a word itself. Throws std::runtime_error.
 inline void refusePlaceholders(int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
-    for (const char* word : {"%option%", "%canonical_option%", "%prefix%", "%value%"}) {
+    for (const char* word :
+         {"%option%", "%canonical_option%", "%original_token%", "%prefix%", "%value%"}) {
       if (std::strstr(argv[i], word) == nullptr) continue;
       throw std::runtime_error("the argument '" + std::string(argv[i]) + "' holds " + word +
                                ", which nothing here is called");

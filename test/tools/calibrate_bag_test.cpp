@@ -383,6 +383,7 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder.string() + " --initial " + (folder / "missing.yaml"), "cannot be opened"},
       {folder.string() + " --speed 3", "--speed"},
       {folder.string() + " --rate=%value%", "holds %value%"},
+      {folder.string() + " --%original_token%x=1", "holds %original_token%"},
       {folder.string() + " --rate -3", "--rate"},
       {folder.string() + " --report", "--out"},
       {folder.string() + " --ground-truth " + (folder / "missing.tum"), "missing.tum"},
