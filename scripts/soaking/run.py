@@ -16,6 +16,7 @@ from witness import SILENCE_S, START_S, Witness, growth
 SAMPLE_S = 10.0
 GROWTH_MB = 10.0       # what allocators and the kernel may keep
 SETTLED_SHARE = 1.05
+FILLED_HOURS = 0.5     # all that has a bound has reached it by the second quarter of such a run
 HANDLES = 3            # listeners and calls of the moment
 
 
@@ -85,13 +86,11 @@ class Patrol:
                                           "what had been saved")
 
 
-def judge(hours, witness, disturber, subjects):
-    problems = witness.problems + disturber.problems
-    for subject in subjects:
-        left = [os.path.basename(path) for path in subject.files()]
-        if [name for name in left if ".new." in name]:
-            problems.append(f"files are left behind: {' '.join(left)}")
-    steady = subjects[0]
+def growths(steady, hours):
+    if hours < FILLED_HOURS:
+        print("Too short to judge growth: queue, places, path and allocators still fill up.")
+        return []
+    problems = []
     before, after = growth(steady.samples, "memory_mb")
     if after > SETTLED_SHARE * before + GROWTH_MB:
         problems.append(f"memory grew from {before:.0f} to {after:.0f} MB")
@@ -99,6 +98,16 @@ def judge(hours, witness, disturber, subjects):
         before, after = growth(steady.samples, field)
         if after > before + HANDLES:
             problems.append(f"{field} grew from {before:.0f} to {after:.0f}")
+    return problems
+
+
+def judge(hours, witness, disturber, subjects):
+    problems = witness.problems + disturber.problems
+    for subject in subjects:
+        left = [os.path.basename(path) for path in subject.files()]
+        if [name for name in left if ".new." in name]:
+            problems.append(f"files are left behind: {' '.join(left)}")
+    problems += growths(subjects[0], hours)
     if "falsely CONVERGED" in witness.notes:
         problems.append("a calibration was falsely CONVERGED")
     if not witness.false_alarms_fit(hours):
