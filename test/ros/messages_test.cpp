@@ -69,7 +69,7 @@ TEST(Messages, CalibrationHasASigmaForEachValue) {
   report.camera = Camera(CameraModel::kRadtan, 752, 480, values);
   report.lens_fit = {true, "pinhole", "radtan", {5.0, 12.0}, {4.0, 9.0}, 0.0};
   report.cross_validation = {true, 0.4, 0.5, 0.3};
-  report.observed = {0.8, {0.2, 0.3}, "the upper left corner was never seen"};
+  report.observed = {0.8, {0.2, 0.3}, "the upper left corner was never seen", nullptr};
   Calibration message = toCalibration(report, TrackingState::kTracking, "Follows.");
   EXPECT_EQ(message.lens_fit, "pinhole is 5.0 px rms off, 12.0 px at worst: radtan describes it");
   EXPECT_EQ(message.better_model, "radtan");
