@@ -29,6 +29,7 @@ class Disturber:
         self._subjects = [steady, killed]
         self._due = []
         self._waiting = {}
+        self._calls = 0
         self._listeners = []
         now = time.monotonic()
         for action, mean_s in [(self._fault, 30.0), (self._service, 12.0), (self._listen, 9.0),
@@ -46,7 +47,7 @@ class Disturber:
         for call, since in list(self._waiting.items()):
             if now - since > ANSWER_LIMIT_S:
                 self.problems.append(f"{call} gave no answer in {ANSWER_LIMIT_S:.0f} s")
-                del self._waiting[call]
+                self._waiting.pop(call, None)
 
     def _plan(self, when, action, repeat_s=None):
         self._due.append((when, action, repeat_s))
@@ -131,7 +132,8 @@ class Disturber:
         return info, sensible
 
     def _call(self, service, kind, arguments, sensible=True):
-        call = f"{service} #{sum(self.counts.values())}"
+        self._calls += 1
+        call = f"{service} #{self._calls}"
         self._waiting[call] = time.monotonic()
 
         def answer():

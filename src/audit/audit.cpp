@@ -104,7 +104,7 @@ std::string beyondMost(const Camera& calibration, const Evidence& evidence,
   const std::string place =
       formatted("beyond %.0f px from the centre, where few features are, ", radius_px);
   return place + (distance.refused > kNegligibleRim
-                      ? formatted("%.0f %% of the image have no ray", 100.0 * distance.refused)
+                      ? formatted("%.0f %% of the features have no ray", 100.0 * distance.refused)
                       : formatted("it is %.1f px rms off", distance.px()));
 }
 

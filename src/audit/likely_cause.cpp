@@ -177,7 +177,8 @@ std::optional<CauseFound> ofAxes(const Camera& calibration, const Judge& judge) 
   std::swap(p(2), p(3));
   Camera camera = calibration;
   camera.setParameters(p);
-  if (!judge.nearlyFits(camera)) return std::nullopt;
+  // As it is: with a square K the focal length alone could be wrong.
+  if (!judge.fits(camera)) return std::nullopt;
   return CauseFound{LikelyCause::kAxes, "x and y are swapped in K: the images were turned"};
 }
 
@@ -259,6 +260,10 @@ CauseFound likelyCause(const Camera& calibration, const Camera& estimate,
   const Camera start(calibration.model(), estimate.width(), estimate.height(),
                      calibration.parameters());
   const Judge judge{samplesOf(estimate, weights), fits};
+  if (fits(start)) {
+    return {LikelyCause::kResolution,
+            "only the image size differs, as where another part of the sensor is read"};
+  }
   if (auto found = ofResolution(calibration, estimate, judge)) return *found;
   if (auto found = ofModel(start, judge)) return *found;
   if (auto found = ofAxes(start, judge)) return *found;

@@ -74,9 +74,10 @@ void writeState(const CalibrateBagArguments& arguments, const std::string& camer
 int run(const CalibrateBagArguments& arguments) {
   ImageSource source = openImages(arguments.source);
   const std::string camera = arguments.camera.empty() ? source.name : arguments.camera;
-  // A state has no verdict on a calibration: an audit runs the bag again.
-  if (!arguments.state_out.empty() && !arguments.overwrite && !arguments.extras.audited) {
-    if (const auto done = finishedState(arguments.state_out, arguments.source.path, camera)) {
+  if (!arguments.state_out.empty() && !arguments.overwrite) {
+    const auto done = finishedState(arguments.state_out, arguments.source.path, camera);
+    // A state has no verdict on a calibration: an audit runs the bag again.
+    if (done && !arguments.extras.audited) {
       std::cout << arguments.state_out << " holds what this bag told of the camera '" << camera
                 << "' already: " << toString(done->state) << '\n';
       return exitCode(done->state);

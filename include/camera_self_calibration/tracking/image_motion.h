@@ -76,6 +76,7 @@ class MotionHistory {
   std::deque<Image> images_;
   std::int64_t next_id_ = 0;
   FrameClock clock_{60};  // jitter of a tenth of a period then makes velocities wrong by 0.3 %
+  FrameClock newest_{5};  // notices another rate
   /// By how much less the features' steps in the image change in whole periods than by the stamps:
   /// a sum over the newest images [px].
   double evenness_ = 0.0;
