@@ -41,13 +41,15 @@ void refuseLongIntegers(const std::string& text) {
 
 OpenCvStorage::OpenCvStorage(const std::string& text) {
   refuseLongIntegers(text);
+  bool opened = false;
   try {
-    if (!storage_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY)) {
-      throw std::runtime_error("it is no file of OpenCV's FileStorage");
-    }
+    opened = storage_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);
   } catch (const cv::Exception& e) {
     throw std::runtime_error("OpenCV cannot read it: " + e.err);
+  } catch (const std::exception&) {  // of strings and memory, at lengths that OpenCV misreads
+    throw std::runtime_error("OpenCV cannot read it");
   }
+  if (!opened) throw std::runtime_error("it is no file of OpenCV's FileStorage");
 }
 
 // Throws, in words of its own, where there is a document in the file that has no keys.
