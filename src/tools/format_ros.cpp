@@ -94,10 +94,11 @@ void checkRosKeys(const std::string& text) {
 StoredCalibration parseRos(const std::string& text) {
   sensor_msgs::CameraInfo info;
   StoredCalibration stored;
-  // rostopic ends a message with "---".
-  const std::vector<YAML::Node> documents = YAML::LoadAll(text);
-  if (!documents.empty() && documents.front().IsMap() && documents.front()["K"]) {
-    info = messageOf(documents.front());
+  // The first document, since rostopic ends a message with "---". LoadAll() does not end on all
+  // texts.
+  const YAML::Node first = YAML::Load(text);
+  if (first.IsMap() && first["K"]) {
+    info = messageOf(first);
   } else {
     checkRosKeys(text);
     std::istringstream stream(text);

@@ -88,6 +88,10 @@ TEST(CalibrationFormat, K3OfZeroIsNoReasonToFit) {
   EXPECT_EQ(storable(source, CalibrationFormat::kKalibr).camera.model(), CameraModel::kRadtan);
 }
 
+TEST(RosFormat, ATextOnWhichYamlCppDoesNotEndIsRefused) {
+  EXPECT_THROW(parseCalibration(",\x12\x12", CalibrationFormat::kRos), std::runtime_error);
+}
+
 TEST(RosFormat, SaysWhatIsWrong) {
   const auto ros = CalibrationFormat::kRos;
   const std::string good = calibrationText(kRadtan, ros);
