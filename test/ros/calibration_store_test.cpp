@@ -140,7 +140,7 @@ TEST_F(CalibrationStoreTest, WhatIsRefusedAsAStartIsNeverWrittenOver) {
   }
 }
 
-// yaml-cpp takes it for UTF-32 and never ends.
+// yaml-cpp would take it for UTF-32, cut off.
 TEST_F(CalibrationStoreTest, AFileThatIsNoTextIsRefused) {
   const std::string binary("\x2c\0\0\0\xf8\x7f\xba\xff\x7f\0\0\0\0\x06\x38\x20", 16);
   ASSERT_EQ(writeFileAtomically(options_.calibration_file, binary), "");
