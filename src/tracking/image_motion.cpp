@@ -33,8 +33,8 @@ ImageMotion motionThrough(const std::vector<Sample>& samples) {
 // For so many images a camera is taken to be as steady as it was: a few seconds.
 constexpr double kMemoryImages = 100.0;
 
-// By which share the mean of five steps leaves that of many at another rate; jitter of an eighth of a
-// period moves it by a twentieth.
+// By which share the mean of five steps leaves that of many at another rate; jitter of an eighth of
+// a period moves it by a twentieth.
 constexpr double kAnotherRate = 0.2;
 
 // A feature cannot be seen to move faster than rows are read.
@@ -100,9 +100,13 @@ void MotionHistory::measureStep(Image* next) {
   const std::int64_t step_ns = next->stamp_ns - images_.back().stamp_ns;
   if (step_ns <= 0) return;
   newest_.add(step_ns);
-  const auto change = static_cast<double>(newest_.period() - clock_.period());
-  if (std::abs(change) > kAnotherRate * static_cast<double>(clock_.period())) clock_.clear();
   const FrameClock::Step step = clock_.add(step_ns);
+  const auto usual = static_cast<double>(clock_.period());
+  const auto now = static_cast<double>(newest_.period());
+  if (usual > 0.0 && std::abs(now - usual) > kAnotherRate * usual) {
+    clock_.clear();
+    evenness_ = 0.0;
+  }
   const std::int64_t period_ns = clock_.period();
   next->stamped_step_s = 1e-9 * static_cast<double>(step_ns);
   next->even_step_s = period_ns == 0 || step.gap
@@ -115,6 +119,7 @@ void MotionHistory::weighSteps() {
   const Image& middle = images_[images_.size() - 2];
   const Image& newest = images_.back();
   if (!(middle.stamped_step_s > 0.0) || !(newest.stamped_step_s > 0.0)) return;
+  // Squares, to which wrong times add in the mean even where an acceleration is larger.
   // How far features came from where they would be at the velocity of the step before.
   std::vector<double> by_stamps, by_periods;
   for (const auto& [id, pixel] : newest.pixels) {
@@ -123,8 +128,9 @@ void MotionHistory::weighSteps() {
     if (at_middle == middle.pixels.end() || at_first == before.pixels.end()) continue;
     const Eigen::Vector2d first = at_middle->second - at_first->second;
     const Eigen::Vector2d second = pixel - at_middle->second;
-    by_stamps.push_back((second - newest.stamped_step_s / middle.stamped_step_s * first).norm());
-    by_periods.push_back((second - newest.even_step_s / middle.even_step_s * first).norm());
+    by_stamps.push_back(
+        (second - newest.stamped_step_s / middle.stamped_step_s * first).squaredNorm());
+    by_periods.push_back((second - newest.even_step_s / middle.even_step_s * first).squaredNorm());
   }
   evenness_ += median(by_stamps, 0.0) - median(by_periods, 0.0) - evenness_ / kMemoryImages;
 }

@@ -130,5 +130,21 @@ TEST(ImageMotion, ImagesTakenUnevenlyKeepTheTimesOfTheirStamps) {
   EXPECT_LT(worstVelocity(true), 0.02);
 }
 
+TEST(ImageMotion, AnotherRateIsTakenAfterAFewImages) {
+  Random random(5);
+  MotionHistory history;
+  double worst = 0.0, before = 0.0, taken = 0.0;
+  for (int i = 0; i < 120; ++i) {
+    taken += i < 60 ? 2.0 * kPeriod : kPeriod;  // as exposure times allow again
+    history.add(frameAt(taken, taken + random.uniform(-0.1, 0.1) * kPeriod));
+    if (i > 80) {
+      const Eigen::Vector2d truth(360.0 * std::cos(4.0 * before), 60.0);
+      worst = std::max(worst, (history.motions(1).at(3).velocity - truth).norm() / 360.0);
+    }
+    before = taken;
+  }
+  EXPECT_LT(worst, 0.05) << "half the old rate would be wrong by half";
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

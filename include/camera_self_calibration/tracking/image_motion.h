@@ -78,7 +78,7 @@ class MotionHistory {
   FrameClock clock_{60};  // jitter of a tenth of a period then makes velocities wrong by 0.3 %
   FrameClock newest_{5};  // notices another rate
   /// By how much less the features' steps in the image change in whole periods than by the stamps:
-  /// a sum over the newest images [px].
+  /// squared, a sum over the newest images [px^2].
   double evenness_ = 0.0;
 };
 
