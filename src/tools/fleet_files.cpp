@@ -4,10 +4,10 @@
 #include <filesystem>
 #include <iomanip>
 #include <limits>
+#include <set>
 #include <sstream>
 #include <stdexcept>
 
-#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/plotting/teaching_chart.h"
 #include "camera_self_calibration/tools/bag_state.h"
@@ -32,24 +32,49 @@ std::string stemOf(const CameraHistory& history, int epoch) {
   return fileStem(history.name) + (last ? "" : ".epoch" + std::to_string(epoch + 1));
 }
 
-void removeEarlier(const fs::path& folder, const std::string& name) {
-  for (const char* extension : {".yaml", ".state"}) {
-    fs::remove(folder / (name + extension));
-    for (int epoch = 1;
-         fs::remove(folder / formatted("%s.epoch%d%s", name.c_str(), epoch, extension)); ++epoch) {
-    }
+// NAME and NAME.epoch1, NAME.epoch2, ..., as stemOf has them.
+bool isEpochOf(const std::string& name, const std::string& stem) {
+  if (stem == name) return true;
+  const std::string before = name + ".epoch";
+  return stem.compare(0, before.size(), before) == 0 && stem.size() > before.size() &&
+         stem.find_first_not_of("0123456789", before.size()) == std::string::npos;
+}
+
+// States and calibrations of all epochs of the camera that the folder has.
+std::vector<fs::path> epochFiles(const fs::path& folder, const std::string& camera) {
+  const fs::path stem = folder / fileStem(camera);
+  std::vector<fs::path> files;
+  if (!fs::is_directory(stem.parent_path())) return files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(stem.parent_path())) {
+    const fs::path extension = entry.path().extension();
+    if (extension != ".state" && extension != ".yaml") continue;
+    if (isEpochOf(stem.filename(), entry.path().stem())) files.push_back(entry.path());
+  }
+  return files;
+}
+
+// After all is written, so that what was learnt is always in some file. A state goes only where
+// every epoch has a solution: else it may be all that is left of a bag.
+void removeEarlier(const fs::path& folder, const std::string& camera,
+                   const std::set<fs::path>& written, bool solved) {
+  for (const fs::path& file : epochFiles(folder, camera)) {
+    if (written.count(file) > 0 || (file.extension() == ".state" && !solved)) continue;
+    fs::remove(file);
   }
 }
 
 void writeEpoch(const fs::path& folder, const std::string& stem, const std::string& camera,
-                const EpochSolution& solution) {
+                const EpochSolution& solution, std::set<fs::path>* written) {
   if (!solution.learnt) return;
-  writeState((folder / (stem + ".state")).string(), *solution.learnt);
+  const fs::path state = folder / (stem + ".state");
+  writeState(state.string(), *solution.learnt);
+  written->insert(state);
   if (solution.health.state != CalibrationState::kConverged) return;
   CalibrationLabels labels;
   labels.camera_name = camera;
-  writeCalibration((folder / (stem + ".yaml")).string(), solution.learnt->camera,
-                   CalibrationFormat::kRos, labels);
+  const fs::path calibration = folder / (stem + ".yaml");
+  writeCalibration(calibration.string(), solution.learnt->camera, CalibrationFormat::kRos, labels);
+  written->insert(calibration);
 }
 
 std::string valuesText(const Camera& lens, const IntrinsicsMatrix& covariance) {
@@ -169,13 +194,16 @@ CameraResult writeCamera(const CameraHistory& history, const SegmentStore& store
     result.epochs.push_back(std::move(epoch));
   }
   // All segments are loaded: what they were read from may be replaced.
-  removeEarlier(folder, fileStem(history.name));
+  std::set<fs::path> written;
+  bool solved = true;
   for (int e = 0; e < history.epochs(); ++e) {
     EpochSolution& solution = result.epochs[static_cast<std::size_t>(e)].solution;
-    writeEpoch(folder, stemOf(history, e), history.name, solution);
+    writeEpoch(folder, stemOf(history, e), history.name, solution, &written);
+    solved = solved && solution.learnt;
     solution.learnt.reset();
   }
   writeText(fs::path(folder) / (fileStem(history.name) + ".history.csv"), historyText(result));
+  removeEarlier(folder, history.name, written, solved);
   return result;
 }
 

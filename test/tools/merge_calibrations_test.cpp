@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 #include "camera/sample_cameras.h"
@@ -190,6 +191,40 @@ TEST(Merge, AMergedStateIsOneThatARobotCanStartFrom) {
   EXPECT_EQ(decoded.state->bags.size(), 3u);
   const Camera file = readCalibrationFile(fleet().folder / "at_once/robot/front.yaml");
   EXPECT_LT((file.parameters().head(4) - decoded.state->camera.parameters()).norm(), 1e-9);
+}
+
+TEST(Merge, FilesOfEarlierRunsGoOnceTheNewOnesAreThere) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "robot");
+  const std::vector<std::string> stale = {"front.epoch1.yaml", "front.epoch2.yaml",
+                                          "front.epoch7.state"};
+  const std::vector<std::string> others = {"front.epochs.yaml", "front2.state", "front.epoch.yaml"};
+  for (const auto& names : {stale, others}) {
+    for (const std::string& name : names) std::ofstream(folder / ("robot/" + name)) << "earlier";
+  }
+  mergeInto(folder.string(), {fleet().files[0], fleet().files[1]});
+  EXPECT_TRUE(fs::exists(folder / "robot/front.state"));
+  for (const std::string& name : stale)
+    EXPECT_FALSE(fs::exists(folder / ("robot/" + name))) << name;
+  for (const std::string& name : others)
+    EXPECT_TRUE(fs::exists(folder / ("robot/" + name))) << name;
+}
+
+TEST(Merge, WithoutASolutionTheEarlierStatesStay) {
+  const TemporaryFolder folder;
+  StateCollection read = readStates({fleet().files[0]});
+  // No file has the segments any more.
+  read.records[0].state_file = folder / "gone.state";
+  const CameraHistory history = historiesOf(read.records, SegmentStore(), 0.01).at(0);
+  for (const char* name : {"front.state", "front.epoch1.state"}) {
+    fs::create_directories(folder / "robot");
+    fs::copy_file(fleet().files[1], folder / ("robot/" + std::string(name)));
+  }
+  EXPECT_FALSE(
+      writeCamera(history, SegmentStore(), MergeOptions(), folder.string()).present().solved);
+  for (const char* name : {"front.state", "front.epoch1.state"}) {
+    EXPECT_TRUE(readStateFile(folder / ("robot/" + std::string(name))).state) << name;
+  }
 }
 
 TEST(Merge, APageTellsAll) {

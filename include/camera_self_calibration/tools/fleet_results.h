@@ -58,7 +58,8 @@ std::string fileStem(const std::string& camera);
 
 /// Solves all epochs of a camera and writes NAME.yaml (if CONVERGED), NAME.state and
 /// NAME.history.csv into the folder; earlier epochs as NAME.epoch1.yaml and NAME.epoch1.state, ...
-/// Those of an earlier run are removed. Throws std::runtime_error if a file cannot be written.
+/// Those of an earlier run are removed at the end; its states only if every epoch has a solution.
+/// Throws std::runtime_error if a file cannot be written.
 CameraResult writeCamera(const CameraHistory& history, const SegmentStore& store,
                          const MergeOptions& options, const std::string& folder);
 
