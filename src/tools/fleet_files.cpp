@@ -178,7 +178,34 @@ std::string cameraJson(const CameraResult& camera) {
                        {"sibling_distance_px", json::number(camera.siblings.distance_px)}});
 }
 
+// What calibrate_bag or a robot wrote, rather than a merge.
+bool isOwnState(const fs::path& path) {
+  const DecodedState decoded = readStateFile(path.string());
+  if (!decoded.state) return false;
+  const std::vector<BagRecord>& bags = decoded.state->bags;
+  return bags.empty() || (bags.size() == 1 && bags[0].state_file.empty());
+}
+
 }  // namespace
+
+void refuseToReplaceBags(const std::vector<CameraHistory>& histories, const std::string& folder) {
+  std::set<fs::path> states;
+  // Of another machine perhaps, where this one may not look.
+  std::error_code ignored;
+  for (const CameraHistory& history : histories) {
+    for (const HistoricBag& bag : history.bags) {
+      states.insert(fs::weakly_canonical(bag.record.state_file, ignored));
+    }
+  }
+  for (const CameraHistory& history : histories) {
+    for (const fs::path& file : epochFiles(folder, history.name)) {
+      if (states.count(fs::weakly_canonical(file)) == 0 || !isOwnState(file)) continue;
+      throw std::runtime_error("the result for the camera '" + history.name + "' would replace " +
+                               file.string() +
+                               ", which holds what one bag told: give another folder to --out");
+    }
+  }
+}
 
 CameraResult writeCamera(const CameraHistory& history, const SegmentStore& store,
                          const MergeOptions& options, const std::string& folder) {

@@ -168,6 +168,7 @@ int run(const Arguments& arguments) {
   const std::vector<CameraHistory> histories =
       historiesOf(std::move(read.records), read.store, arguments.level);
   checkNames(histories);
+  refuseToReplaceBags(histories, arguments.out);
   const std::vector<CameraResult> cameras = solveAll(histories, read.store, arguments);
   for (const CameraResult& camera : cameras) {
     std::cout << camera.history.name << ": " << toString(verdictOf(camera)) << " ("

@@ -11,6 +11,7 @@
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/fleet/state_collection.h"
 #include "camera_self_calibration/fleet/state_solution.h"
+#include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/tools/bag_state.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/fleet_report.h"
@@ -265,6 +266,20 @@ TEST(MergeCalibrations, DamagedFilesAreLeftOutAndTheRestIsMerged) {
   EXPECT_TRUE(fs::exists(folder / "out/robot/front.history.csv"));
   EXPECT_EQ(exitCode((folder / "states/b.state") + " --out " + (folder / "none")), 3);
   EXPECT_EQ(exitCode("--out " + (folder / "none")), 1);
+}
+
+TEST(MergeCalibrations, RefusesToReplaceTheStateOfABagButReplacesMergedOnes) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "states/robot");
+  fs::copy_file(fleet().files[0], folder / "states/robot/front.state");
+  fs::copy_file(fleet().files[1], folder / "states/b.state");
+  const std::string states = folder / "states";
+  const std::string before = readFile(folder / "states/robot/front.state").bytes;
+  EXPECT_EQ(exitCode(states + " --out " + states), 1);
+  EXPECT_EQ(readFile(folder / "states/robot/front.state").bytes, before);
+  const std::string out = folder / "out";
+  EXPECT_EQ(exitCode(states + " --out " + out), 0);
+  EXPECT_EQ(exitCode(out + " " + states + " --out " + out), 0);
 }
 
 }  // namespace

@@ -56,6 +56,10 @@ std::string pText(double p_value);
 /// or would lead elsewhere is replaced.
 std::string fileStem(const std::string& camera);
 
+/// Throws std::runtime_error if writeCamera would replace or remove the state of a single bag that
+/// one of the histories rests on.
+void refuseToReplaceBags(const std::vector<CameraHistory>& histories, const std::string& folder);
+
 /// Solves all epochs of a camera and writes NAME.yaml (if CONVERGED), NAME.state and
 /// NAME.history.csv into the folder; earlier epochs as NAME.epoch1.yaml and NAME.epoch1.state, ...
 /// Those of an earlier run are removed at the end; its states only if every epoch has a solution.
