@@ -44,7 +44,9 @@ Camera commonLens(const std::vector<HistoricBag>& bags) {
 
 std::vector<WantedSegment> segmentsOf(const BagRecord& record) {
   std::vector<WantedSegment> wanted;
-  for (const SegmentMark& mark : record.segments) wanted.push_back({mark, 0, record.state_file});
+  for (const SegmentMark& mark : record.segments) {
+    wanted.push_back({mark, 0, record.bag, record.state_file});
+  }
   return wanted;
 }
 
@@ -104,6 +106,11 @@ void applySplit(EpochSplit split, const std::vector<std::size_t>& bags, CameraHi
   history->changes = std::move(split.changes);
 }
 
+// Times alone do not tell: all videos and folders of images begin at 0.
+bool isSameBag(const BagRecord& a, const BagRecord& b) {
+  return a.bag == b.bag && a.begin_ns == b.begin_ns && a.end_ns == b.end_ns;
+}
+
 std::vector<CameraHistory> byCamera(std::vector<BagRecord> records) {
   std::map<std::string, CameraHistory> cameras;
   std::sort(records.begin(), records.end(),
@@ -111,9 +118,7 @@ std::vector<CameraHistory> byCamera(std::vector<BagRecord> records) {
   for (BagRecord& record : records) {
     CameraHistory& history = cameras[record.camera];
     history.name = record.camera;
-    const bool again = !history.bags.empty() &&
-                       history.bags.back().record.begin_ns == record.begin_ns &&
-                       history.bags.back().record.end_ns == record.end_ns;
+    const bool again = !history.bags.empty() && isSameBag(history.bags.back().record, record);
     if (!again) history.bags.push_back({record, record, "", -1});
   }
   std::vector<CameraHistory> result;

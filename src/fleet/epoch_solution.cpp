@@ -140,7 +140,7 @@ std::vector<WantedSegment> bestSegments(const CameraHistory& history, int epoch,
     const HistoricBag& bag = history.bags[b];
     if (bag.epoch != epoch) continue;
     for (const SegmentMark& mark : bag.used.segments) {
-      all.push_back({mark, b, bag.record.state_file});
+      all.push_back({mark, b, bag.record.bag, bag.record.state_file});
     }
   }
   std::sort(all.begin(), all.end(),

@@ -1,5 +1,6 @@
 #include "camera_self_calibration/fleet/segment_store.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -9,11 +10,28 @@
 namespace camera_self_calibration {
 namespace {
 
-const Candidate* find(const LearntState& state, const SegmentMark& mark) {
+bool covers(const SegmentMark& mark, const Segment& segment) {
+  return segment.beginNs() == mark.begin_ns && segment.endNs() == mark.end_ns;
+}
+
+// The bag that shows the segment; null where several may.
+const BagRecord* bagOf(const std::vector<BagRecord>& records, const Segment& segment) {
+  const BagRecord* found = nullptr;
+  for (const BagRecord& record : records) {
+    const bool has = std::any_of(record.segments.begin(), record.segments.end(),
+                                 [&](const SegmentMark& mark) { return covers(mark, segment); });
+    if (has && found) return nullptr;
+    if (has) found = &record;
+  }
+  return found;
+}
+
+// A state that was learnt live has no record of its only bag.
+const Candidate* find(const LearntState& state, const WantedSegment& wanted) {
   for (const Candidate& candidate : state.segments) {
-    if (candidate.segment.beginNs() == mark.begin_ns && candidate.segment.endNs() == mark.end_ns) {
-      return &candidate;
-    }
+    if (!covers(wanted.mark, candidate.segment)) continue;
+    const BagRecord* bag = bagOf(state.bags, candidate.segment);
+    if (state.bags.empty() || (bag && bag->bag == wanted.bag_path)) return &candidate;
   }
   return nullptr;
 }
@@ -27,17 +45,21 @@ DecodedState readStateFile(const std::string& path) {
   return decodeState(contents.bytes);
 }
 
-void SegmentStore::note(const std::string& path, const std::string& camera,
+void SegmentStore::note(const std::string& path, const std::vector<BagRecord>& records,
                         const LearntState& state) {
   paths_.push_back(path);
   for (const Candidate& candidate : state.segments) {
-    path_of_.emplace(Key(camera, candidate.segment.beginNs(), candidate.segment.endNs()),
+    const Segment& segment = candidate.segment;
+    const BagRecord* bag = bagOf(records, segment);
+    if (!bag) continue;
+    path_of_.emplace(Key(bag->camera, bag->bag, segment.beginNs(), segment.endNs()),
                      paths_.size() - 1);
   }
 }
 
 std::string SegmentStore::fileOf(const std::string& camera, const WantedSegment& wanted) const {
-  const auto found = path_of_.find(Key(camera, wanted.mark.begin_ns, wanted.mark.end_ns));
+  const auto found =
+      path_of_.find(Key(camera, wanted.bag_path, wanted.mark.begin_ns, wanted.mark.end_ns));
   return found == path_of_.end() ? wanted.state_file : paths_[found->second];
 }
 
@@ -58,7 +80,7 @@ std::vector<Candidate> SegmentStore::load(const std::string& camera,
     const DecodedState decoded = readStateFile(path);
     if (!decoded.state) continue;
     for (const std::size_t i : numbers) {
-      if (const Candidate* candidate = find(*decoded.state, wanted[i].mark)) found[i] = *candidate;
+      if (const Candidate* candidate = find(*decoded.state, wanted[i])) found[i] = *candidate;
     }
   }
   std::vector<Candidate> candidates;

@@ -37,7 +37,7 @@ StateCollection readStates(const std::vector<std::string>& paths) {
       read.problems.push_back(path + " is left out: its segments have no solution");
       continue;
     }
-    read.store.note(path, records.front().camera, *decoded.state);
+    read.store.note(path, records, *decoded.state);
     read.records.insert(read.records.end(), records.begin(), records.end());
   }
   return read;

@@ -38,8 +38,28 @@ std::string changeText(const CameraResult& camera, std::size_t number) {
   return text + " (" + pText(change.p_value) + ")";
 }
 
+// Only the better of segments that share a moment counts, and the order in time is in doubt.
+std::string overlapText(const std::vector<HistoricBag>& bags) {
+  const BagRecord* last = nullptr;
+  const BagRecord* example[2] = {};
+  int overlaps = 0;
+  for (const HistoricBag& bag : bags) {
+    if (last && bag.record.begin_ns <= last->end_ns && ++overlaps == 1) {
+      example[0] = last;
+      example[1] = &bag.record;
+    }
+    if (!last || bag.record.end_ns > last->end_ns) last = &bag.record;
+  }
+  if (overlaps == 0) return "";
+  return formatted(
+      " %d of its bags overlap%s in time with one before (%s with %s): they pass for views of "
+      "the same thing, of which the better segment counts. If they are not, correct "
+      "their stamps.",
+      overlaps, overlaps == 1 ? "s" : "", example[1]->bag.c_str(), example[0]->bag.c_str());
+}
+
 std::string aside(const CameraResult& camera) {
-  std::string text;
+  std::string text = overlapText(camera.history.bags);
   for (const HistoricBag& bag : camera.history.bags) {
     if (!bag.problem.empty()) {
       text += " " + bag.record.bag + " is left out: " + withFullStop(bag.problem);

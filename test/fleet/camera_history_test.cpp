@@ -42,6 +42,19 @@ TEST(CameraHistory, BagsAreOrderedInTimeWhateverWayTheyCame) {
   EXPECT_EQ(found[1].bags.size(), 1u);
 }
 
+// As videos have, which all begin at 0.
+TEST(CameraHistory, OtherBagsOfTheSameTimesAreOtherBags) {
+  std::vector<BagRecord> records = {recordOn(0, 1.0), recordOn(1, 1.0), recordOn(0, 1.0)};
+  for (BagRecord& record : records) {
+    record.begin_ns = 0;
+    record.end_ns = 20000000000LL;
+  }
+  const CameraHistory found = histories(records).at(0);
+  ASSERT_EQ(found.bags.size(), 2u);
+  EXPECT_EQ(found.bags[0].record.bag, "day0.bag");
+  EXPECT_EQ(found.bags[1].record.bag, "day1.bag");
+}
+
 TEST(CameraHistory, BagsOfAnotherSizeOrModelAreNamed) {
   BagRecord small = recordOn(1, 1.0);
   small.lens = Camera::defaultGuess(CameraModel::kFov, 320, 240);

@@ -228,6 +228,35 @@ TEST(Merge, WithoutASolutionTheEarlierStatesStay) {
   }
 }
 
+// Two videos, the segments of which cover the same moments.
+TEST(Merge, OverlapInTimeIsSaidAndSegmentsOfAnotherVideoAreNotTaken) {
+  const TemporaryFolder folder;
+  std::vector<std::string> files;
+  for (const int video : {0, 1}) {
+    LearntState state = stateOn(0, 1.0);
+    state.bags[0].bag = "day" + std::to_string(video) + ".bag";
+    files.push_back(folder / ("video" + std::to_string(video) + ".state"));
+    writeState(files.back(), state);
+  }
+  const CameraResult both = mergeInto(folder / "both", files);
+  EXPECT_EQ(both.history.bags.size(), 2u);
+  EXPECT_NE(sentenceOf(both).find("day1.bag with day0.bag"), std::string::npos) << sentenceOf(both);
+  EXPECT_EQ(sentenceOf(atOnce()).find("overlap"), std::string::npos);
+  const StateCollection read = readStates({files[1], folder / "both/robot/front.state"});
+  const CameraHistory history = historiesOf(read.records, read.store, 0.01).at(0);
+  ASSERT_EQ(history.bags.size(), 2u);
+  const BagRecord& first = history.bags[0].record;
+  fs::remove(files[0]);
+  std::vector<std::size_t> lost;
+  const WantedSegment gone{first.segments[0], 0, first.bag, first.state_file};
+  EXPECT_TRUE(read.store.load("robot/front", {gone}, &lost).empty());
+  const WantedSegment replaced{first.segments[0], 0, first.bag, files[1]};
+  EXPECT_TRUE(read.store.load("robot/front", {replaced}, &lost).empty());
+  const BagRecord& second = history.bags[1].record;
+  const WantedSegment there{second.segments[0], 1, second.bag, second.state_file};
+  EXPECT_EQ(read.store.load("robot/front", {there}, &lost).size(), 1u);
+}
+
 TEST(Merge, APageTellsAll) {
   const std::string page = fleetHtml({atOnce()}, {"hang.bag (rear): failed: no end after 60 s"});
   for (const char* words : {"robot/front", "CHANGED", "day1.bag", "hang.bag", "data:image/png"}) {
