@@ -47,15 +47,10 @@ def local(fleet, options):
 def parallel(fleet, options):
     """GNU parallel, here or on the machines of --sshloginfile, which see the same folders."""
     need("parallel", "parallel")
-    joblog = fleet.folder / "parallel.joblog"
     bags = fleet.folder / "parallel.txt"
-    # The log counts lines: of another list it says nothing.
-    lines = "".join(id + "\n" for id in fleet.rows)
-    known = bags.read_text() if bags.exists() else ""
-    if options.retry_failed or not lines.startswith(known):
-        joblog.unlink(missing_ok=True)
-    write_atomically(bags, lines)
-    command = ["parallel", "--will-cite", "--joblog", str(joblog), "--resume-failed",
+    # What is finished the outcomes tell; the log is for people.
+    write_atomically(bags, "".join(id + "\n" for id in fleet.pending()))
+    command = ["parallel", "--will-cite", "--joblog", str(fleet.folder / "parallel.joblog"),
                "--retries", str(options.retries), "--jobs", str(options.jobs),
                "--bar" if sys.stderr.isatty() else "--line-buffer"]
     if options.sshloginfile:
