@@ -7,6 +7,9 @@ import sys
 
 from fleet_task import write_atomically
 
+# As merge_calibrations has it where no state can be used.
+NOTHING = 3
+
 
 def failures(fleet, outcomes):
     """A line for each bag that left no state."""
@@ -39,6 +42,7 @@ def cost(fleet, outcomes, result):
 
 
 def reduce(fleet):
+    """Exit code: that of merge_calibrations, or NOTHING."""
     outcomes = fleet.outcomes()
     lines = list(failures(fleet, outcomes))
     listed = fleet.folder / "failures.txt"
@@ -49,6 +53,9 @@ def reduce(fleet):
     sys.stdout.flush()
     states = [str(fleet.path("states", id, "state")) for id, o in outcomes.items()
               if o.kind == "state"]
+    if not states:
+        print("fleet: no bag told anything, so there is nothing to merge", file=sys.stderr)
+        return NOTHING
     result = fleet.folder / "result"
     names = fleet.folder / "states.txt"
     write_atomically(names, "".join(name + "\n" for name in states))
