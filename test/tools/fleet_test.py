@@ -2,6 +2,7 @@
 import json
 import os
 import pathlib
+import shutil
 import stat
 import subprocess
 import sys
@@ -13,6 +14,7 @@ sys.path.insert(0, str(SCRIPTS))
 sys.dont_write_bytecode = True
 
 import fleet_manifest
+import fleet_task
 
 # Stands in for calibrate_bag; notes each call.
 CALIBRATE = """#!/bin/bash
@@ -21,7 +23,6 @@ echo "$bag" >> "$CALLS"
 case "$bag" in
   *crash*) kill -SEGV $$ ;;
   *killed*) [[ -e "$bag.up" ]] || kill -KILL $$ ;;
-  *hang*) sleep 1000 ;;
   *empty*) echo "no images in $bag" >&2; exit 3 ;;
   *vague*) exit 2 ;;
   *damaged*) echo "calibrate_bag: $bag is damaged" >&2; exit 1 ;;
@@ -55,7 +56,7 @@ class FleetTest(unittest.TestCase):
         (self.folder / "manifest.csv").write_text("bag,topic,camera\n" + rows)
         command = [sys.executable, SCRIPTS / "fleet", self.folder / "manifest.csv", "--out",
                    self.folder / "out", "--programs", self.folder / "programs", "--jobs", "2",
-                   "--timeout", "3", *options]
+                   "--timeout", "600", *options]
         environment = dict(os.environ, CALLS=str(self.folder / "calls"))
         return subprocess.run(command, env=environment, text=True, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT)
@@ -68,15 +69,41 @@ class FleetTest(unittest.TestCase):
         return len((self.folder / "out/result/merged.txt").read_text().split())
 
     def test_bags_that_fail_are_listed_and_stop_nothing(self):
-        run = self.fleet(["a", "crash", "b", "hang", "empty", "vague", "damaged", "c"])
+        run = self.fleet(["a", "crash", "b", "empty", "vague", "damaged", "c"])
         self.assertEqual(run.returncode, 0, run.stdout)
         self.assertEqual(self.merged(), 3)
         failures = (self.folder / "out/failures.txt").read_text()
-        for words in ("failed: crashed: SIGSEGV", "failed: no end after 3 s", "nothing: no images",
+        for words in ("failed: crashed: SIGSEGV", "nothing: no images",
                       "it did not tell the lens", "damaged.bag is damaged"):
             self.assertIn(words, failures)
         self.assertEqual(self.calls().count("crash"), 2, "tried twice")
         self.assertEqual(self.calls().count("empty"), 1)
+
+    def test_a_program_that_hangs_is_ended_and_its_bag_failed(self):
+        with open(self.folder / "log", "wb") as log:
+            self.assertEqual(fleet_task.run_limited(["sleep", "1000"], log, 0.1), (0, True))
+            self.assertEqual(fleet_task.run_limited(["true"], log, 600), (0, False))
+        fleet = fleet_task.Fleet(self.folder, [], {"timeout": 60.0})
+        outcome = fleet.judge(0, True, "", has_state=False)
+        self.assertEqual((outcome.kind, outcome.reason), ("failed", "no end after 60 s"))
+
+    def test_no_state_at_all_is_told_by_the_exit_code(self):
+        run = self.fleet(["empty", "vague"])
+        self.assertEqual(run.returncode, 3, run.stdout)
+        self.assertIn("no bag told anything", run.stdout)
+        self.assertIn("2 of 2 bags left nothing", run.stdout)
+
+    @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
+    def test_parallel_goes_by_outcomes(self):
+        self.fleet(["a", "b"], "--engine", "parallel")
+        next((self.folder / "out/outcomes").glob("*-a-*")).unlink()
+        before = self.calls()
+        run = self.fleet(["a", "b"], "--engine", "parallel")
+        self.assertEqual(run.returncode, 0, run.stdout)
+        self.assertEqual(self.calls()[len(before):], ["a"])
+        self.assertTrue((self.folder / "out/parallel.joblog").exists())
+        run = self.fleet(["a", "b"], "--engine", "parallel")
+        self.assertEqual(run.returncode, 0, "nothing is left to do")
 
     def test_what_is_finished_is_skipped(self):
         self.fleet(["a", "b", "crash"])
