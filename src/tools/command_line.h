@@ -25,15 +25,19 @@ inline void refusePlaceholders(int argc, const char* const* argv) {
 }
 
 /// Reads a program's arguments into the variables that `all` names; `positional` are the options
-/// that may stand without a name, in their order. Nothing if help was asked for: usage and options
-/// are printed then. Throws std::exception with what is wrong with the arguments.
+/// that may stand without a name, in their order; one of many values takes all that follow. Nothing
+/// if help was asked for: usage and options are printed then. Throws std::exception with what is
+/// wrong with the arguments.
 inline std::optional<boost::program_options::variables_map> readCommandLine(
     int argc, const char* const* argv, const boost::program_options::options_description& all,
     const std::vector<std::string>& positional, const char* usage) {
   namespace po = boost::program_options;
   refusePlaceholders(argc, argv);
   po::positional_options_description unnamed;
-  for (const std::string& name : positional) unnamed.add(name.c_str(), 1);
+  for (const std::string& name : positional) {
+    const bool many = all.find(name, false).semantic()->max_tokens() > 1;
+    unnamed.add(name.c_str(), many ? -1 : 1);
+  }
   po::variables_map given;
   po::store(po::command_line_parser(argc, argv).options(all).positional(unnamed).run(), given);
   po::notify(given);

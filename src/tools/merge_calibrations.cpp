@@ -70,14 +70,7 @@ void addLines(const std::string& path, std::vector<std::string>* lines) {
 
 std::optional<Arguments> parse(int argc, const char* const* argv) {
   Arguments arguments;
-  po::options_description all = description(&arguments);
-  po::positional_options_description unnamed;
-  unnamed.add("states", -1);
-  po::variables_map given;
-  po::store(po::command_line_parser(argc, argv).options(all).positional(unnamed).run(), given);
-  po::notify(given);
-  if (given.count("help") > 0) {
-    std::cout << kUsage << '\n' << all;
+  if (!readCommandLine(argc, argv, description(&arguments), {"states"}, kUsage)) {
     return std::nullopt;
   }
   if (!arguments.list.empty()) addLines(arguments.list, &arguments.inputs);
