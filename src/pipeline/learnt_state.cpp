@@ -271,12 +271,16 @@ bool isSound(const Candidate& candidate, const Camera& camera) {
 
 bool isSound(const BagRecord& record) {
   const int count = record.lens.estimatedCount();
-  return record.lens.valid() && record.lens.width() > 0 && record.covariance.rows() == count &&
-         record.covariance.cols() == count && record.covariance.allFinite() &&
-         record.covariance.diagonal().minCoeff() > 0.0 && record.scatter.freedom >= 0 &&
-         record.begin_ns <= record.end_ns && std::isfinite(record.scatter.chi_square) &&
-         record.uncertainty_px >= 0.0 && record.misfit_px >= 0.0 &&
-         std::isfinite(record.uncertainty_px) && std::abs(record.row_time_s) < 1.0 &&
+  for (const SegmentMark& mark : record.segments) {
+    if (std::isnan(mark.entropy)) return false;  // segments are sorted by it
+  }
+  return record.lens.valid() && isImageSize(record.lens.width(), record.lens.height()) &&
+         record.covariance.rows() == count && record.covariance.cols() == count &&
+         record.covariance.allFinite() && record.covariance.diagonal().minCoeff() > 0.0 &&
+         record.scatter.freedom >= 0 && record.begin_ns <= record.end_ns &&
+         std::isfinite(record.scatter.chi_square) && record.uncertainty_px >= 0.0 &&
+         record.misfit_px >= 0.0 && std::isfinite(record.uncertainty_px) &&
+         std::isfinite(record.misfit_px) && std::abs(record.row_time_s) < 1.0 &&
          record.row_time_sigma_s >= 0.0;
 }
 

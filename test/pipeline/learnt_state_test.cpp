@@ -259,8 +259,7 @@ TEST(LearntState, TheFormatBeforeTheBagsIsStillRead) {
   EXPECT_EQ(encode(*decoded.state), encode(*learntState()));
 }
 
-TEST(LearntState, KeepsTheRecordsOfItsBags) {
-  LearntState state = *learntState();
+BagRecord recordWith(const Camera& lens) {
   BagRecord record;
   record.bag = "day one.bag";
   record.camera = "robot7/front";
@@ -271,15 +270,21 @@ TEST(LearntState, KeepsTheRecordsOfItsBags) {
   record.images = 300;
   record.state = CalibrationState::kConverging;
   record.lens_changes = 2;
-  record.lens = state.camera;
-  record.covariance = 0.25 * IntrinsicsMatrix::Identity(state.camera.estimatedCount(),
-                                                        state.camera.estimatedCount());
+  record.lens = lens;
+  record.covariance =
+      0.25 * IntrinsicsMatrix::Identity(lens.estimatedCount(), lens.estimatedCount());
   record.uncertainty_px = 0.5;
   record.misfit_px = 0.125;
   record.scatter = {12.5, 8};
   record.row_time_s = 1e-5;
   record.row_time_sigma_s = 1e-6;
   record.segments = {{1, 2, -3.5}, {4, 5, -2.5}};
+  return record;
+}
+
+TEST(LearntState, KeepsTheRecordsOfItsBags) {
+  LearntState state = *learntState();
+  const BagRecord record = recordWith(state.camera);
   state.bags = {record, record};
   const DecodedState decoded = decodeState(encode(state));
   ASSERT_TRUE(decoded.state) << decoded.error;
@@ -305,8 +310,21 @@ TEST(LearntState, KeepsTheRecordsOfItsBags) {
   ASSERT_EQ(read.segments.size(), 2u);
   EXPECT_EQ(read.segments[0].begin_ns, 1);
   EXPECT_EQ(read.segments[1].entropy, -2.5);
-  state.bags[0].covariance.setZero();
-  EXPECT_FALSE(decodeState(encode(state)).state) << "an estimate without any error";
+}
+
+TEST(LearntState, UnsoundRecordsOfBagsAreRefused) {
+  const auto refused = [](const std::function<void(BagRecord*)>& spoil) {
+    LearntState state = *learntState();
+    state.bags = {recordWith(state.camera)};
+    spoil(&state.bags[0]);
+    return !decodeState(encode(state)).state;
+  };
+  EXPECT_FALSE(refused([](BagRecord*) {}));
+  EXPECT_TRUE(refused([](BagRecord* r) { r->covariance.setZero(); })) << "without any error";
+  EXPECT_TRUE(refused([](BagRecord* r) { r->misfit_px = INFINITY; }));
+  EXPECT_TRUE(refused([](BagRecord* r) { r->segments[1].entropy = NAN; }));
+  EXPECT_TRUE(refused(
+      [](BagRecord* r) { r->lens = Camera(r->lens.model(), 1 << 30, 480, r->lens.parameters()); }));
 }
 
 // Even where the checksum is right, contents that make no sense are not taken.
