@@ -1,7 +1,9 @@
 #include "camera_self_calibration/tools/bag_state.h"
 
+#include <filesystem>
 #include <stdexcept>
 
+#include "camera_self_calibration/fleet/segment_store.h"
 #include "camera_self_calibration/fleet/state_solution.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 
@@ -44,10 +46,8 @@ std::shared_ptr<const LearntState> stateOfBag(const Recording& recording, const 
 
 std::shared_ptr<const LearntState> finishedState(const std::string& path, const std::string& bag,
                                                  const std::string& camera) {
-  const FileContents contents = readFile(path);
-  if (!contents.exists) return nullptr;
-  if (!contents.error.empty()) refuse(path, contents.error);
-  const DecodedState decoded = decodeState(contents.bytes);
+  if (!std::filesystem::exists(path)) return nullptr;
+  const DecodedState decoded = readStateFile(path);
   if (!decoded.state) refuse(path, decoded.error);
   const std::vector<BagRecord>& bags = decoded.state->bags;
   if (bags.size() != 1 || bags[0].bag != bag || bags[0].camera != camera) {
