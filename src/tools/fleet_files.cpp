@@ -89,8 +89,10 @@ std::string valuesText(const Camera& lens, const IntrinsicsMatrix& covariance) {
 }
 
 std::string historyHeader(const Camera& lens) {
+  const std::vector<std::string> all = lens.parameterNames();
   std::string names, sigmas;
-  for (const std::string& name : lens.parameterNames()) {
+  for (Eigen::Index i = 0; i < lens.estimatedCount(); ++i) {
+    const std::string& name = all[static_cast<std::size_t>(i)];
     names += "," + name;
     sigmas += ",sigma_" + name;
   }

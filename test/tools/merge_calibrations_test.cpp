@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -221,11 +222,32 @@ TEST(Merge, WithoutASolutionTheEarlierStatesStay) {
     fs::create_directories(folder / "robot");
     fs::copy_file(fleet().files[1], folder / ("robot/" + std::string(name)));
   }
-  EXPECT_FALSE(
-      writeCamera(history, SegmentStore(), MergeOptions(), folder.string()).present().solved);
+  const CameraResult result = writeCamera(history, SegmentStore(), MergeOptions(), folder.string());
+  EXPECT_FALSE(result.present().solved);
+  writeFleet({result}, folder.string());
+  EXPECT_NE(readFile(folder / "fleet.json").bytes.find("\"pixel_uncertainty_rms\": null"),
+            std::string::npos);
   for (const char* name : {"front.state", "front.epoch1.state"}) {
     EXPECT_TRUE(readStateFile(folder / ("robot/" + std::string(name))).state) << name;
   }
+}
+
+// A k3 that is held is in the lens, but not estimated.
+TEST(Merge, TheHistoryNamesAsManyValuesAsItHas) {
+  const TemporaryFolder folder;
+  BagRecord record = stateOn(0, 1.0).bags[0];
+  record.lens = camera640(CameraModel::kRadtan, {420, 418, 322, 238, -0.2, 0.05, 0, 0, 0.01});
+  record.covariance = 0.01 * IntrinsicsMatrix::Identity(8, 8);
+  ASSERT_EQ(record.lens.estimatedCount(), 8);
+  const CameraHistory history = historiesOf({record}, SegmentStore(), 0.01).at(0);
+  writeCamera(history, SegmentStore(), MergeOptions(), folder.string());
+  std::ifstream file(folder / "robot/front.history.csv");
+  std::string header, row;
+  ASSERT_TRUE(std::getline(file, header) && std::getline(file, row));
+  EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(row.begin(), row.end(), ','))
+      << header << '\n'
+      << row;
+  EXPECT_EQ(header.find("k3"), std::string::npos);
 }
 
 // Two videos, the segments of which cover the same moments.
@@ -295,6 +317,7 @@ TEST(MergeCalibrations, DamagedFilesAreLeftOutAndTheRestIsMerged) {
   EXPECT_TRUE(fs::exists(folder / "out/robot/front.history.csv"));
   EXPECT_EQ(exitCode((folder / "states/b.state") + " --out " + (folder / "none")), 3);
   EXPECT_EQ(exitCode("--out " + (folder / "none")), 1);
+  EXPECT_EQ(exitCode("--threads=%value%"), 1);
 }
 
 TEST(MergeCalibrations, RefusesToReplaceTheStateOfABagButReplacesMergedOnes) {

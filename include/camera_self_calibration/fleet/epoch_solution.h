@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -21,7 +22,8 @@ struct EpochSolution {
   std::shared_ptr<const LearntState> learnt;
   IntrinsicsMatrix covariance;  ///< n_c x n_c.
   HealthVerdict health;
-  double uncertainty_px = 0.0;          ///< Expected error over the image, all considered [px rms].
+  /// Expected error over the image, all considered [px rms].
+  double uncertainty_px = std::numeric_limits<double>::infinity();
   double tau_px = 0.0;                  ///< By how much bags scatter beyond what they say [px rms].
   std::vector<WantedSegment> segments;  ///< Of the merged queue.
   std::vector<IntrinsicsMatrix> taught;  ///< By each bag of the history, in the queue; or empty.
