@@ -37,9 +37,10 @@ Estimate estimateOf(const BagRecord& record);
 EstimateSum sumOf(const CameraHistory& history, int epoch);
 
 /// Sorts records into cameras by name, orders each camera's in time, and finds their epochs
-/// (findEpochs). The same bag (path and times) twice counts once. Within a camera one model is used: the one that
-/// most bags chose, or else the richer one; bags with another one are solved anew from their
-/// segments in `store`. Bags of another image size than most are left out with a problem.
+/// (findEpochs). The same bag (path and times) twice counts once. Within a camera one model is
+/// used: the one that most bags chose, or else the richer one; bags with another one are solved
+/// anew from their segments in `store`. Bags of another image size than most are left out with a
+/// problem.
 std::vector<CameraHistory> historiesOf(std::vector<BagRecord> records, const SegmentStore& store,
                                        double level);
 
