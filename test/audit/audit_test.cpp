@@ -118,7 +118,11 @@ TEST(Audit, NamesTheLikelyCause) {
   const Camera small_in_large(CameraModel::kRadtan, 640, 480, half);
   const Camera turned = camera640(CameraModel::kPinhole, {603, 600, 250, 310});
   const Camera bare = camera640(CameraModel::kPinhole, {400, 402, 325, 236});
+  const Camera square(CameraModel::kPinhole, 600, 600, Eigen::Vector4d(500, 500, 299, 299));
+  const Camera cropped(CameraModel::kPinhole, 640, 400, kNarrow.parameters());
   const std::vector<Mistake> mistakes = {
+      {changed(square, 1.03, {0, 0}), square, LikelyCause::kFocalLength, "3.0 % too long"},
+      {kNarrow, cropped, LikelyCause::kResolution, "only the image size differs"},
       {small, kRadtan, LikelyCause::kResolution, "320 x 240"},
       {small_in_large, kRadtan, LikelyCause::kResolution, "2 times as large"},
       {as(CameraModel::kEquidistant, kRadtan), kRadtan, LikelyCause::kModel,
