@@ -24,4 +24,8 @@ double fExceedance(double value, double numerator_freedom, double denominator_fr
   return boost::math::ibeta(0.5 * denominator_freedom, 0.5 * numerator_freedom, x);
 }
 
+double logIncompleteGamma(double a, double b) {
+  return std::lgamma(a) + std::log(boost::math::gamma_p(a, b)) - a * std::log(b);
+}
+
 }  // namespace camera_self_calibration

@@ -16,11 +16,8 @@ namespace {
 
 using Kind = ChangeVerdict::Kind;
 
-// Two fast, one of the window, three of the pools, one for a step.
-constexpr double kTestsPerKeyframe = 7.0;
-// p-value of the candidate's own solution above which no closer look is worth its time.
+// p-value above which no closer look is worth its time, and a suspicion was for nothing.
 constexpr double kClearlySame = 0.1;
-constexpr double kUnfounded = 0.1;       // p-value above which a suspicion was for nothing
 constexpr int kMinLaterKeyframes = 3;    // after a suspected onset, to decide
 constexpr int kMinEarlierKeyframes = 2;  // before it, for their structure to be of use
 // Keyframes by which a suspicion may come too late and too early.
@@ -63,7 +60,7 @@ std::string ChangeDetector::withP(const char* text, double p_value) {
   return formatted("%s (p = %.1e)", text, p_value);
 }
 
-double ChangeDetector::limit() const { return rate_ * interval_s_ / 3600.0 / kTestsPerKeyframe; }
+double ChangeDetector::limit() const { return share(interval_s_); }
 
 void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
   if (stamp_ns == last_stamp_ns_) return;
@@ -75,11 +72,12 @@ void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
 ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& candidate,
                                       std::int64_t suspected_onset_ns, const SegmentQueue& queue) {
   ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue);
-  const bool by_window = verdict.kind == Kind::kChange && verdict.recent.empty();
-  if (verdict.kind != Kind::kChange) {
-    ChangeVerdict step = examineStep(queue);
-    if (step.kind == Kind::kChange) verdict = std::move(step);
+  if (verdict.kind == Kind::kChange && isRatherDrift(verdict, queue)) verdict.kind = Kind::kDoubt;
+  if (verdict.kind != Kind::kChange && hasNews()) {
+    ChangeVerdict together = examineCourse(queue);
+    if (together.kind != Kind::kSame) verdict = std::move(together);
   }
+  const bool by_window = verdict.kind == Kind::kChange && verdict.recent.empty();
   in_doubt_ = verdict.kind != Kind::kSame;
   if (by_window) return confirmed(std::move(verdict), queue.solution().camera);
   findings_ = 0;
@@ -137,7 +135,7 @@ ChangeVerdict ChangeDetector::examineKeyframe(const Segment& window, const Candi
   if (!reference || window.keyframes.empty()) return verdict;
   const int earlier = keyframesBefore(window, suspected_onset_ns);
   if (suspected_onset_ns > 0 && earlier > 0) return examineSuspicion(window, earlier, *reference);
-  return examineCandidate(window, candidate, *reference, queue);
+  return examineCandidate(window, candidate, *reference);
 }
 
 ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlier_keyframes,
@@ -146,7 +144,7 @@ ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlie
   const int later = static_cast<int>(window.keyframes.size()) - earlier_keyframes;
   if (later >= kMinLaterKeyframes && earlier_keyframes >= kMinEarlierKeyframes) {
     verdict = examineWindow(window, earlier_keyframes, reference);
-    if (verdict.kind == Kind::kSame && verdict.p_value > kUnfounded) return verdict;
+    if (verdict.kind == Kind::kSame && verdict.p_value > kClearlySame) return verdict;
   }
   if (verdict.kind == Kind::kSame) {
     verdict.kind = Kind::kDoubt;
@@ -156,8 +154,7 @@ ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlie
 }
 
 ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Candidate& candidate,
-                                               const Reference& reference,
-                                               const SegmentQueue& queue) {
+                                               const Reference& reference) {
   ChangeVerdict verdict;
   if (candidate.information.size() == 0) return verdict;
   if (candidate.residual_scale > kMaxMisfit * usual_residual_scale_) {
@@ -180,15 +177,8 @@ ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Cand
   }
   const Agreement single = agreement({*likelihood}, reference);
   verdict.p_value = single.p_value;
-  if (single.p_value < limit()) {
-    verdict = examineWindow(window, 0, reference);
-    if (verdict.kind != Kind::kSame) return verdict;
-  }
-  remember(candidate, *likelihood);
-  if (recent_.back().candidate.segment.sequence == candidate.segment.sequence) {
-    const ChangeVerdict pooled = examineRecent(queue);
-    if (pooled.kind != Kind::kSame) return pooled;
-  }
+  if (single.p_value < limit()) verdict = examineWindow(window, 0, reference);
+  if (verdict.kind != Kind::kBadData) remember(candidate, *likelihood);
   if (verdict.kind == Kind::kSame && contradicts) {
     verdict.kind = Kind::kDoubt;
     verdict.reason = withP("it disagrees with the queue", single.p_value);

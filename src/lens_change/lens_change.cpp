@@ -22,14 +22,6 @@ constexpr double kToBeVerified = 1e-2;
 // Of the tracks, left out then.
 constexpr double kTrimmedShare = 0.15;
 
-Camera withEstimated(const Camera& camera, const Intrinsics& values) {
-  Camera result = camera;
-  Intrinsics parameters = camera.parameters();
-  parameters.head(values.size()) = values;
-  result.setParameters(parameters);
-  return result;
-}
-
 // The robust cost of one lens throughout.
 double costOfOneLens(Segment segment, const Camera& lens, double sigma_scale) {
   if (segment.earlier_camera) segment.earlier_camera = std::make_shared<const Camera>(lens);

@@ -1,28 +1,48 @@
-// Disjoint segments together against the queue: the part of ChangeDetector that finds what is too
-// small for a single window.
+// All segments together: the part of ChangeDetector that finds what is too small for a single
+// window, and what goes on slowly.
 
 #include <algorithm>
-#include <optional>
+#include <cmath>
 #include <utility>
 #include <vector>
 
-#include "camera_self_calibration/lens_change/change_course.h"
+#include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/lens_change/change_detector.h"
-#include "camera_self_calibration/lens_change/lens_step.h"
 
 namespace camera_self_calibration {
 namespace {
 
 using Kind = ChangeVerdict::Kind;
 
+// Segments remembered beside the queue: half a minute to a minute, by when a step of a percent
+// shows.
 constexpr std::size_t kSegments = 16;
-constexpr std::size_t kPools[] = {2, 4, 8};
-constexpr std::size_t kFollowed = 3;  // newest segments that replace what a drift made stale
+// Newest segments that replace what a drift made stale: a third tells which of two is right.
+constexpr std::size_t kFollowed = 3;
+// Bayes factor that is strong evidence (Jeffreys, "Theory of probability", 1961): of a step against
+// a drift.
+constexpr double kStrong = 10.0;
 
-// Segments that disagree with what the lens has become at `p_value` or below.
-std::vector<std::int64_t> staleSegments(const ChangeCourse& course, const SegmentQueue& queue,
+bool overlap(const Candidate& candidate, const QuadraticLikelihood& likelihood) {
+  return candidate.segment.beginNs() <= likelihood.end_ns &&
+         candidate.segment.endNs() >= likelihood.begin_ns;
+}
+
+std::vector<QuadraticLikelihood> ownLikelihoods(const std::vector<Candidate>& candidates) {
+  std::vector<QuadraticLikelihood> own;
+  for (const Candidate& candidate : candidates) own.push_back(ownLikelihood(candidate));
+  return own;
+}
+
+// What the segments say without anything else known.
+Reference nothingKnown(const Camera& camera) {
+  const int count = camera.estimatedCount();
+  return {camera, IntrinsicsMatrix::Zero(count, count), Scatter()};
+}
+
+// Segments that disagree with what the lens has become.
+std::vector<std::int64_t> staleSegments(const Reference& now, const SegmentQueue& queue,
                                         double p_value) {
-  const Reference now{course.camera, course.information, Scatter()};
   std::vector<std::int64_t> stale;
   for (const Candidate& candidate : queue.candidates()) {
     const auto said = likelihoodAt(now.camera, candidate.segment, candidate.sigma_scale);
@@ -41,102 +61,117 @@ bool ChangeDetector::isNewSegment(std::int64_t begin_ns) const {
 
 void ChangeDetector::remember(const Candidate& candidate, const QuadraticLikelihood& likelihood) {
   if (!isNewSegment(candidate.segment.beginNs())) return;
+  const std::int64_t since_ns =
+      recent_.empty() ? likelihood.begin_ns : recent_.back().likelihood.end_ns;
+  course_limit_ = share(1e-9 * static_cast<double>(likelihood.end_ns - since_ns));
   recent_.push_back({candidate, likelihood});
   if (recent_.size() > kSegments) recent_.pop_front();
 }
 
-std::vector<QuadraticLikelihood> ChangeDetector::segmentsBeside(const SegmentQueue& queue) const {
-  std::vector<QuadraticLikelihood> beside;
-  for (const RememberedSegment& segment : recent_) {
-    const QuadraticLikelihood& likelihood = segment.likelihood;
-    const auto shares = [&](const Candidate& candidate) {
-      return candidate.segment.beginNs() <= likelihood.end_ns &&
-             candidate.segment.endNs() >= likelihood.begin_ns;
-    };
-    const auto& candidates = queue.candidates();
-    const bool fits =
-        segment.candidate.well_posed && fitsAsUsual(segment.candidate.sigma_scale, queue);
-    if (fits && std::none_of(candidates.begin(), candidates.end(), shares)) {
-      beside.push_back(likelihood);
-    }
-  }
-  return beside;
+bool ChangeDetector::hasNews() const {
+  return !recent_.empty() && recent_.back().likelihood.end_ns == last_stamp_ns_;
 }
 
-// Those of the queue and those beside it.
-std::vector<QuadraticLikelihood> ChangeDetector::allSegments(const SegmentQueue& queue) const {
-  std::vector<QuadraticLikelihood> segments = segmentsBeside(queue);
-  for (const Candidate& candidate : queue.candidates())
-    segments.push_back(ownLikelihood(candidate));
+// The queue's, and the newest that fit a lens as well and share no moment with them.
+std::vector<QuadraticLikelihood> ChangeDetector::segmentsOf(const SegmentQueue& queue) const {
+  const std::vector<Candidate>& candidates = queue.candidates();
+  std::vector<QuadraticLikelihood> segments = ownLikelihoods(candidates);
+  for (const RememberedSegment& segment : recent_) {
+    const bool fits =
+        segment.candidate.well_posed && fitsAsUsual(segment.candidate.sigma_scale, queue);
+    const auto shares = [&](const Candidate& one) { return overlap(one, segment.likelihood); };
+    if (fits && std::none_of(candidates.begin(), candidates.end(), shares)) {
+      segments.push_back(segment.likelihood);
+    }
+  }
   return segments;
 }
 
-ChangeVerdict ChangeDetector::examineRecent(const SegmentQueue& queue) const {
-  ChangeVerdict doubt;
-  for (const std::size_t count : kPools) {
-    if (recent_.size() < count) break;
-    std::vector<QuadraticLikelihood> pool;
-    for (std::size_t i = recent_.size() - count; i < recent_.size(); ++i) {
-      pool.push_back(recent_[i].likelihood);
-    }
-    const auto reference = referenceWithout(pool.front().begin_ns, pool.back().end_ns, queue);
-    if (!reference) break;
-    const double p_value = agreement(pool, *reference).p_value;
-    if (p_value < limit()) return explain(*reference, p_value, queue);
-    if (p_value < kDoubt && doubt.kind == Kind::kSame) {
-      doubt.kind = Kind::kDoubt;
-      doubt.p_value = p_value;
-      doubt.reason = withP("the newest segments disagree with the queue", p_value);
-    }
-  }
-  return doubt;
+bool ChangeDetector::isEstablished(const LensCourse& course) const {
+  return course.pValue() < course_limit_ && course.exceeds(1.0 / kDoubt);
 }
 
-ChangeVerdict ChangeDetector::examineStep(const SegmentQueue& queue) const {
+LensDrift ChangeDetector::drift(const SegmentQueue& queue, std::int64_t now_ns) const {
+  const Camera& camera = queue.solution().camera;
+  const LensCourse course = courseOfLens(segmentsOf(queue), camera, now_ns);
+  LensDrift drift;
+  if (!course.exceeds(1.0)) return drift;
+  drift.significant = withEstimated(camera, course.now).valid();
+  drift.told = isEstablished(course) && course.drift > course.step;
+  drift.rate = course.rate;
+  drift.offset = course.now - compromise(ownLikelihoods(queue.candidates()), nothingKnown(camera));
+  drift.covariance = course.covariance;
+  return drift;
+}
+
+// With what the newest window says of the lens after the change.
+bool ChangeDetector::isRatherDrift(const ChangeVerdict& change, const SegmentQueue& queue) const {
+  const auto count = change.information.rows();
+  QuadraticLikelihood since{change.onset_ns, change.segment.endNs(),
+                            change.camera.parameters().head(count), Intrinsics::Zero(count),
+                            change.information};
+  std::vector<QuadraticLikelihood> segments{std::move(since)};
+  for (QuadraticLikelihood& segment : segmentsOf(queue)) {
+    if (segment.end_ns < change.onset_ns) segments.push_back(std::move(segment));
+  }
+  const LensCourse course =
+      courseOfLens(std::move(segments), queue.solution().camera, last_stamp_ns_);
+  return course.drift > course.step;
+}
+
+ChangeVerdict ChangeDetector::examineCourse(const SegmentQueue& queue) {
+  const Camera& camera = queue.solution().camera;
+  const LensCourse course = courseOfLens(segmentsOf(queue), camera, last_stamp_ns_);
   ChangeVerdict verdict;
-  const auto step =
-      estimateStep(allSegments(queue), queue.solution().camera, last_stamp_ns_, limit());
-  if (!step || recent_.empty() || recent_.back().likelihood.begin_ns < step->onset_ns)
-    return verdict;
-  verdict.kind = Kind::kChange;
-  verdict.reason = withP("the lens changed, in one step", step->p_value);
-  verdict.p_value = step->p_value;
-  verdict.onset_ns = step->onset_ns;
-  verdict.camera = step->camera;
-  verdict.information = step->information;
+  if (!isEstablished(course)) return verdict;
+  verdict.p_value = course.pValue();
+  verdict.onset_ns = course.onset_ns;
   verdict.segment = recent_.back().candidate.segment;
+  if (course.step > course.drift + std::log(kStrong)) {
+    describeStep(queue, &verdict);
+  } else if (course.drift > course.step) {
+    describeDrift(course, queue, &verdict);
+  }
+  return verdict;
+}
+
+// What was seen since the step, in all intrinsics.
+void ChangeDetector::describeStep(const SegmentQueue& queue, ChangeVerdict* verdict) const {
+  const Camera& camera = queue.solution().camera;
+  std::vector<QuadraticLikelihood> since;
+  verdict->information = nothingKnown(camera).information;
+  for (const QuadraticLikelihood& segment : segmentsOf(queue)) {
+    if (segment.point.size() != camera.estimatedCount() || segment.begin_ns < verdict->onset_ns)
+      continue;
+    since.push_back(segment);
+    verdict->information += segment.information;
+  }
+  verdict->camera = withEstimated(camera, compromise(since, nothingKnown(camera)));
+  if (!verdict->camera.valid()) return;
   const auto keep = [&](const Candidate& candidate) {
-    if (candidate.well_posed && candidate.segment.beginNs() >= step->onset_ns) {
-      verdict.recent.push_back(candidate);
+    if (candidate.well_posed && candidate.segment.beginNs() >= verdict->onset_ns) {
+      verdict->recent.push_back(candidate);
     }
   };
   for (const Candidate& candidate : queue.candidates()) keep(candidate);
   for (const RememberedSegment& segment : recent_) keep(segment.candidate);
-  return verdict;
+  verdict->kind = Kind::kChange;
+  verdict->reason = withP("the lens changed", verdict->p_value);
 }
 
-ChangeVerdict ChangeDetector::explain(const Reference& reference, double p_value,
-                                      const SegmentQueue& queue) const {
-  std::vector<QuadraticLikelihood> segments;
-  for (const RememberedSegment& segment : recent_) segments.push_back(segment.likelihood);
-  const ChangeCourse course = courseOfChange(segments, reference);
-  ChangeVerdict verdict;
-  verdict.p_value = p_value;
-  const bool gradual = course.gradual || queue.solution().drift.significant ||
-                       showsDrift(allSegments(queue), queue.solution().camera, last_stamp_ns_);
-  verdict.reason = withP(gradual ? "the lens drifts slowly" : "the lens changed", p_value);
-  verdict.kind = !course.camera.valid() ? Kind::kDoubt : gradual ? Kind::kDrift : Kind::kChange;
-  verdict.onset_ns = segments[course.first].begin_ns;
-  verdict.camera = course.camera;
-  verdict.information = course.information;
-  verdict.segment = recent_.back().candidate.segment;
-  const std::size_t newest = recent_.size() - std::min(kFollowed, recent_.size());
-  for (std::size_t i = gradual ? std::max(newest, course.first) : course.first; i < recent_.size();
+void ChangeDetector::describeDrift(const LensCourse& course, const SegmentQueue& queue,
+                                   ChangeVerdict* verdict) const {
+  verdict->camera = withEstimated(queue.solution().camera, course.now);
+  const auto information = covarianceFromInformation(course.covariance);
+  if (!verdict->camera.valid() || !information) return;
+  verdict->information = *information;
+  verdict->stale = staleSegments({verdict->camera, *information, Scatter()}, queue, kDoubt);
+  for (std::size_t i = recent_.size() - std::min(kFollowed, recent_.size()); i < recent_.size();
        ++i) {
-    if (recent_[i].candidate.well_posed) verdict.recent.push_back(recent_[i].candidate);
+    if (recent_[i].candidate.well_posed) verdict->recent.push_back(recent_[i].candidate);
   }
-  if (verdict.kind == Kind::kDrift) verdict.stale = staleSegments(course, queue, kDoubt);
-  return verdict;
+  verdict->kind = Kind::kDrift;
+  verdict->reason = withP("the lens drifts slowly", verdict->p_value);
 }
 
 }  // namespace camera_self_calibration

@@ -139,7 +139,7 @@ CandidateOutcome BackEnd::followDrift(const ChangeVerdict& verdict) {
 void BackEnd::considerDrift() {
   if (state_.phase != Phase::kHandedOver || changed_ || !state_.queue.solution().usable) return;
   if (state_.queue.solution().drift.significant ||
-      state_.watch.drift(state_.queue, state_.stamp_ns).significant) {
+      (state_.watch.hasNews() && state_.watch.drift(state_.queue, state_.stamp_ns).significant)) {
     adoptSolution();
   }
 }
@@ -262,8 +262,8 @@ void BackEnd::adoptSolution() {
   known.covariance = solution.presentCovariance();
   known.cross_validation = crossValidate(solution, state_.field);
   known.observed_area = observedArea(state_.queue.candidates(), known.camera, state_.field);
-  known.observed.features = std::make_shared<const ImageWeights>(
-      featureWeights(state_.queue.candidates(), known.camera));
+  known.observed.features =
+      std::make_shared<const ImageWeights>(featureWeights(state_.queue.candidates(), known.camera));
   stateUncertainty();
   changed_ = true;
 }

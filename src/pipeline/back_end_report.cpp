@@ -19,7 +19,7 @@ std::string sentenceOf(const BackEndState& state) {
     if (!remark.empty()) sentence += "; " + remark;
   }
   const LensDrift& drift = state.queue.solution().drift;
-  if (!drift.significant) return sentence;
+  if (!drift.told) return sentence;
   return sentence +
          formatted("; the focal length drifts by some %.2g %% a minute", 100.0 * drift.rate);
 }

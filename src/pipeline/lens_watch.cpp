@@ -1,9 +1,5 @@
 #include "camera_self_calibration/pipeline/lens_watch.h"
 
-#include <vector>
-
-#include "camera_self_calibration/lens_change/lens_drift.h"
-
 namespace camera_self_calibration {
 namespace {
 
@@ -61,13 +57,6 @@ void LensWatch::beginLens(std::int64_t onset_ns, const std::optional<Scatter>& s
   if (scatter) usual_scatter_ = *scatter;
   course_.clear();
   detector_.reset();
-}
-
-LensDrift LensWatch::drift(const SegmentQueue& queue, std::int64_t now_ns) const {
-  std::vector<QuadraticLikelihood> segments;
-  for (const Candidate& candidate : queue.candidates())
-    segments.push_back(ownLikelihood(candidate));
-  return estimateDrift(segments, detector_.segmentsBeside(queue), queue.solution().camera, now_ns);
 }
 
 }  // namespace camera_self_calibration

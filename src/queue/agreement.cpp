@@ -133,9 +133,7 @@ std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t en
   if (kept == 0 || !covariance) return std::nullopt;
   Reference reference{solution.camera, information, solution.scatter};
   const Intrinsics step = *covariance * gradient;
-  Intrinsics parameters = solution.camera.parameters();
-  parameters.head(count) += step;
-  reference.camera.setParameters(parameters);
+  reference.camera = withEstimated(solution.camera, estimated(solution.camera) + step);
   if (!reference.camera.valid()) return std::nullopt;
   // One that is tested must not be excused by what an earlier version of itself disagreed.
   if (kept > 1 && kept < static_cast<int>(solution.shares.size())) {
@@ -172,6 +170,14 @@ Intrinsics compromise(const std::vector<QuadraticLikelihood>& likelihoods,
   const Eigen::VectorXd step =
       total.scale.cwiseProduct(total.factor.solve(total.scale.cwiseProduct(sum.gradient)).eval());
   return sum.point + step;
+}
+
+Camera withEstimated(const Camera& camera, const Intrinsics& values) {
+  Intrinsics parameters = camera.parameters();
+  parameters.head(values.size()) = values;
+  Camera result = camera;
+  result.setParameters(parameters);
+  return result;
 }
 
 double pValue(double statistic, const Reference& reference) {

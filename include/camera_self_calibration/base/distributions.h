@@ -11,4 +11,7 @@ double chiSquareExceedance(double value, double degrees_of_freedom);
 /// Probability that a variable of Fisher's F distribution exceeds `value`.
 double fExceedance(double value, double numerator_freedom, double denominator_freedom);
 
+/// Logarithm of the integral of `u^(a-1) e^(-b u)` over u from 0 to 1; a, b > 0.
+double logIncompleteGamma(double a, double b);
+
 }  // namespace camera_self_calibration

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "camera_self_calibration/lens_change/lens_change.h"
+#include "camera_self_calibration/lens_change/lens_course.h"
 #include "camera_self_calibration/queue/agreement.h"
 #include "camera_self_calibration/queue/candidate_outlook.h"
 #include "camera_self_calibration/queue/candidate_window.h"
@@ -36,14 +37,14 @@ struct ChangeVerdict {
 };
 
 /// Tells whether the intrinsics changed, with a stated rate of false alarms. Fast: a suspicion from
-/// the frames' innovations, confirmed by a likelihood ratio over the newest window with the lens
-/// before the suspected onset held (testLensChange). Slow: disjoint windows, one by one and the
-/// newest two, four and eight together, against the queue without what overlaps them (agreement),
-/// and, where the queue may hold some from after a small step, all for such a step (estimateStep).
-/// Every keyframe spends the share `rate * interval / 3600 s` of the allowed false alarms, over all
-/// its tests (Bonferroni). An alarm of the newest window is raised when a few keyframes in a row
-/// find the same new lens: a window solved into a wrong minimum says something else at each
-/// keyframe.
+/// the frames' innovations, or a window that disagrees with the queue without what overlaps it
+/// (agreement), confirmed by a likelihood ratio over the newest window with the lens before the
+/// onset held (testLensChange). Slow: one account of all disjoint segments, the queue's and the
+/// newest beside it (courseOfLens); it has the last word on whether what a window shows is a step
+/// or part of a drift, too. Each test spends its share of the allowed false alarms, `rate * time
+/// since it was last made`, so that their sum holds at all times (Bonferroni). An alarm of the
+/// newest window is raised when a few keyframes in a row find the same new lens: a window solved
+/// into a wrong minimum says something else at each keyframe.
 class ChangeDetector {
  public:
   /// Alarms per hour while nothing changes; 0: never any alarm.
@@ -66,9 +67,12 @@ class ChangeDetector {
   ChangeVerdict examineUnfinished(const Segment& window, const Candidate& candidate,
                                   const Reference& reference);
 
-  /// The newest disjoint segments that fit a lens as well as the queue's segments and share no
-  /// moment with them.
-  std::vector<QuadraticLikelihood> segmentsBeside(const SegmentQueue& queue) const;
+  /// Where the lens is if it moved, from the queue's segments and the newest beside it;
+  /// queue.solution() must be usable. `now_ns`: stamp of the newest keyframe.
+  LensDrift drift(const SegmentQueue& queue, std::int64_t now_ns) const;
+
+  /// The newest keyframe's segment is one of those beside the queue since then.
+  bool hasNews() const;
 
   /// Forgets what was seen, at the beginning of an epoch.
   void reset() {
@@ -82,6 +86,11 @@ class ChangeDetector {
 
  private:
   static constexpr double kDoubt = 1e-2;  // p-value below which nothing enters the queue
+  // Two fast, one of the window, one of all segments together.
+  static constexpr double kTests = 4.0;
+
+  // p-value that a test may spend which is made once in so many seconds.
+  double share(double interval_s) const { return rate_ * interval_s / 3600.0 / kTests; }
 
   struct RememberedSegment {
     Candidate candidate;
@@ -95,24 +104,27 @@ class ChangeDetector {
   ChangeVerdict examineSuspicion(const Segment& window, int earlier_keyframes,
                                  const Reference& reference) const;
   ChangeVerdict examineCandidate(const Segment& window, const Candidate& candidate,
-                                 const Reference& reference, const SegmentQueue& queue);
+                                 const Reference& reference);
   ChangeVerdict confirmed(ChangeVerdict verdict, const Camera& before);
   ChangeVerdict examineWindow(const Segment& window, int earlier_keyframes,
                               const Reference& reference) const;
-  // In slow_change.cpp: the newest segments.
+  // In slow_change.cpp: all segments.
   bool isNewSegment(std::int64_t begin_ns) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const QuadraticLikelihood& likelihood);
-  std::vector<QuadraticLikelihood> allSegments(const SegmentQueue& queue) const;
-  ChangeVerdict examineRecent(const SegmentQueue& queue) const;
-  ChangeVerdict examineStep(const SegmentQueue& queue) const;
-  ChangeVerdict explain(const Reference& reference, double p_value,
-                        const SegmentQueue& queue) const;
+  std::vector<QuadraticLikelihood> segmentsOf(const SegmentQueue& queue) const;
+  bool isEstablished(const LensCourse& course) const;  // with the allowed rate of false alarms
+  bool isRatherDrift(const ChangeVerdict& change, const SegmentQueue& queue) const;
+  ChangeVerdict examineCourse(const SegmentQueue& queue);
+  void describeStep(const SegmentQueue& queue, ChangeVerdict* verdict) const;
+  void describeDrift(const LensCourse& course, const SegmentQueue& queue,
+                     ChangeVerdict* verdict) const;
 
   double rate_;
   double interval_s_ = 0.3;  // between keyframes, running mean
   std::int64_t last_stamp_ns_ = 0;
   double usual_residual_scale_ = 1.0;
   std::deque<RememberedSegment> recent_;  // disjoint, in the order of time
+  double course_limit_ = 0.0;             // p-value for all segments together, at the newest one
   bool in_doubt_ = false;                 // what the newest keyframe said
   int findings_ = 0;                      // keyframes in a row that found the lens `found_`
   Camera found_;

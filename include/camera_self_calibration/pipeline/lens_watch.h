@@ -53,7 +53,11 @@ class LensWatch {
 
   /// How the lens drifts, from the queue and the newest windows beside it; queue.solution() must
   /// be usable. `now_ns`: stamp of the newest keyframe.
-  LensDrift drift(const SegmentQueue& queue, std::int64_t now_ns) const;
+  LensDrift drift(const SegmentQueue& queue, std::int64_t now_ns) const {
+    return detector_.drift(queue, now_ns);
+  }
+  /// The newest keyframe can have changed drift(), though it did not change the queue.
+  bool hasNews() const { return detector_.hasNews(); }
 
  private:
   std::optional<Reference> knownBefore(std::int64_t stamp_ns) const;

@@ -73,6 +73,9 @@ Agreement agreement(const std::vector<QuadraticLikelihood>& likelihoods,
 Intrinsics compromise(const std::vector<QuadraticLikelihood>& likelihoods,
                       const Reference& reference);
 
+/// The camera with other estimated intrinsics, n_c values or fewer.
+Camera withEstimated(const Camera& camera, const Intrinsics& values);
+
 /// p-value of a statistic with n_c degrees of freedom: chi-square; where the reference's inflation
 /// is more than chance, F with the variance moderated towards the sigmas as they are (as if five
 /// more degrees of freedom had scattered by just those).

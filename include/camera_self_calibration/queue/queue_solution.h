@@ -9,9 +9,11 @@
 
 namespace camera_self_calibration {
 
-/// How a lens moves slowly, as one does that warms up (estimateDrift).
+/// Where a lens is that moved while the segments were seen, as one does that warms up
+/// (courseOfLens).
 struct LensDrift {
   bool significant = false;  ///< Else what follows is of no use.
+  bool told = false;         ///< It drifts, as surely as a change has to be for an alarm.
   /// Standard deviation of the focal length's relative change over one minute.
   double rate = 0.0;
   Intrinsics offset;            ///< Of the lens now from the joint estimate, n_c.
