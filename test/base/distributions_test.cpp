@@ -48,6 +48,14 @@ TEST(ChiSquare, OfNoFreedomOrWithoutBound) {
   EXPECT_TRUE(std::isnan(fExceedance(std::nan(""), 3, 3)));
 }
 
+// Of u^2 e^(-3 u): (2 - 17 e^-3) / 27. Of many degrees of freedom, which underflow by themselves.
+TEST(IncompleteGamma, Logarithm) {
+  EXPECT_NEAR(logIncompleteGamma(3.0, 3.0), std::log((2.0 - 17.0 * std::exp(-3.0)) / 27.0), 1e-12);
+  EXPECT_NEAR(logIncompleteGamma(1.0, 0.5), std::log(2.0 - 2.0 * std::exp(-0.5)), 1e-12);
+  const double many = logIncompleteGamma(150.0, 2.5);  // of u^149 alone: 1 / 150
+  EXPECT_NEAR(many, -std::log(150.0) - 2.5 * 150.0 / 151.0, 1e-3);
+}
+
 TEST(FDistribution, OfTheTables) {
   EXPECT_NEAR(fExceedance(4.387, 3, 8), 0.0419, 2e-4);
   EXPECT_NEAR(fExceedance(3.3258, 5, 10), 0.05, 1e-4);  // tables

@@ -110,6 +110,36 @@ TEST(Change, OneAfterTheOtherIsNoticed) {
   }
 }
 
+// Ten images a second of the benchmark's tracks.
+class BenchmarkRun {
+ public:
+  template <typename Lens>
+  BenchmarkRun(const ChangingTracks& options, const Camera& first, const Lens& lens)
+      : tracks_(makeTracks(options, first, lens)),
+        calibrator_(optionsOf(options, first), SelfCalibrator::Mode::kInline, record.callbacks()) {}
+
+  // Until the first change is noticed, at most so many frames.
+  void run(int frames) {
+    for (int i = 0; i < frames && firstChange(record) == nullptr; ++i) {
+      const TrackedFrame frame = tracks_.track(kChangingTracksStartNs + i * 100000000LL);
+      calibrator_.processTracks(frame, [&] { return tracks_.detect(); });
+    }
+  }
+  CalibrationReport report() { return calibrator_.calibration(); }
+
+  Record record;
+
+ private:
+  static Options optionsOf(const ChangingTracks& options, const Camera& camera) {
+    Options calibration = optionsFor(camera.model());
+    calibration.tracker.max_features = options.features;
+    return calibration;
+  }
+
+  FeatureTracks tracks_;
+  SelfCalibrator calibrator_;
+};
+
 // Its first segments do not contradict the queue, which takes them in: then the focal length
 // seemed to drift, and no test of the newest segments against that queue said otherwise.
 TEST(Change, ASmallStepIsNotTakenForADrift) {
@@ -118,21 +148,31 @@ TEST(Change, ASmallStepIsNotTakenForADrift) {
   options.seed = 7001;
   const Camera before = randomLens(CameraModel::kRadtan, 640, 480, options.seed).camera;
   const Camera after = zoomed(before, 1.01);
-  FeatureTracks tracks =
-      makeTracks(options, before, [&](double t) { return t < kStepS ? before : after; });
-  Record record;
-  Options calibration = optionsFor(before.model());
-  calibration.tracker.max_features = options.features;
-  SelfCalibrator calibrator(calibration, SelfCalibrator::Mode::kInline, record.callbacks());
-  for (int i = 0; i < 450 && firstChange(record) == nullptr; ++i) {
-    const TrackedFrame frame = tracks.track(kChangingTracksStartNs + i * 100000000LL);
-    calibrator.processTracks(frame, [&] { return tracks.detect(); });
-  }
-  const Event* change = firstChange(record);
+  BenchmarkRun run(options, before, [&](double t) { return t < kStepS ? before : after; });
+  run.run(450);
+  const Event* change = firstChange(run.record);
   ASSERT_NE(change, nullptr);
   EXPECT_GT(since(change->stamp_ns), kStepS);
   EXPECT_NEAR(since(change->onset_stamp_ns), kStepS, 3.0);
   EXPECT_NEAR(change->magnitude_px / pixelDistance(before, after).rms, 1.0, 0.3);
+}
+
+// A window of this one contradicts the queue, which lags behind, as clearly as after a step.
+TEST(Change, ASlowDriftIsFollowedWithoutAnAlarm) {
+  constexpr double kDriftS = 30.0;
+  ChangingTracks options;
+  options.seed = 420101;
+  options.duration_s = 105.0;
+  const Camera before = randomLens(CameraModel::kRadtan, 640, 480, options.seed).camera;
+  const auto lensAt = [&](double t) {
+    return zoomed(before, 1.0 + 0.01 * std::max(0.0, t - kDriftS) / 60.0);
+  };
+  BenchmarkRun run(options, before, lensAt);
+  run.run(600);
+  EXPECT_EQ(run.record.count(EventType::kCalibrationChange), 0);
+  const CalibrationReport report = run.report();
+  EXPECT_NE(report.sentence.find("drifts"), std::string::npos) << report.sentence;
+  EXPECT_LT(pixelDistance(lensAt(60.0), report.camera).rms, 3.0 * report.uncertainty.rms);
 }
 
 TEST(Change, PosesGoOnAcrossIt) {
