@@ -98,20 +98,20 @@ bool converged(const Warp& from, const Warp& to, const Eigen::Vector2d& anchor, 
 }  // namespace
 
 bool PatchRegistration::prepare(ReferencePatch* reference) const {
-  return reference->prepare(referenceBlur(1.0, reference->blur()), noise_);
+  return reference->prepare(referenceBlur(1.0, reference->blur()), noiseOf(*reference));
 }
 
 Registration PatchRegistration::run(ReferencePatch* reference, const ImagePyramid& image,
                                     const Warp& start) {
   Registration result;
   result.warp = start;
-  if (!start.pixel.allFinite() || deformed(start.linear)) {
+  if (!start.pixel.allFinite() || deformed(std::ldexp(1.0, -reference->level()) * start.linear)) {
     result.status = Registration::Status::kDeformed;
     return result;
   }
   double scale = std::sqrt(start.linear.determinant());
   const double blur = referenceBlur(scale, reference->blur());
-  if (blur != reference->blur() && !reference->prepare(blur, noise_)) return result;
+  if (blur != reference->blur() && !reference->prepare(blur, noiseOf(*reference))) return result;
 
   int level = 0;
   for (; scale > kMaxScaleOfLevel && level + 1 < image.levels(); ++level) scale *= 0.5;
@@ -158,7 +158,7 @@ Registration::Status PatchRegistration::iterate(const ReferencePatch& reference,
   const Warp start = result->warp;
   Warp& warp = result->warp;
   SecantSteps steps;
-  const double sigma = std::sqrt(0.5 * noise_ * reference.anchorCovariance().trace());
+  const double sigma = std::sqrt(0.5 * noiseOf(reference) * reference.anchorCovariance().trace());
   const double tolerance = std::max(kConvergedShift, kConvergedShare * sigma);
   if (!inside(warp, level)) return Registration::Status::kOutside;
   if (!extractWindow(reference, level, warp)) return Registration::Status::kDeformed;

@@ -18,16 +18,17 @@ constexpr double kLinearPrior = 0.04;  // [1]
 constexpr double kLinearDoubt = 0.6;
 constexpr double kPhotometricPrior = 1e3;  // Gain [1], offset [gray]: free.
 constexpr double kBlurPrior = 0.5;         // [px^2]
-constexpr double kBendingPrior = 0.002;    // [1/px] 140 degrees over 640 px bend by 1/f / 2.
+// [1/px of the image] 140 degrees over 640 px bend by 1/f / 2.
+constexpr double kBendingPrior = 0.002;
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 // D of the class's comment, with a prior of its own for the linear part of the warp.
-ReferencePatch::Vector priorOf(double linear, double noise) {
+ReferencePatch::Vector priorOf(double linear, double noise, int level) {
   ReferencePatch::Vector sigma;
   sigma << Eigen::Vector2d::Constant(kShiftPrior), Eigen::Vector4d::Constant(linear),
       Eigen::Vector2d::Constant(kPhotometricPrior), Eigen::Vector3d::Constant(kBlurPrior),
-      Vector6d::Constant(kBendingPrior);
+      Vector6d::Constant(std::ldexp(kBendingPrior, level));
   return noise * sigma.cwiseAbs2().cwiseInverse();
 }
 
@@ -116,12 +117,13 @@ PatchPoints::PatchPoints() {
   }
 }
 
-void ReferencePatch::cut(const cv::Mat& image, int x, int y) {
+void ReferencePatch::cut(const cv::Mat& image, int x, int y, int level) {
   constexpr int side = 2 * kRawRadius + 1;
   for (int row = 0; row < side; ++row) {
     const std::uint8_t* from = image.ptr<std::uint8_t>(y + row - kRawRadius) + x - kRawRadius;
     std::copy(from, from + side, raw_.data() + row * side);
   }
+  level_ = level;
   blur_ = -1.0;
   anchor_.setZero();
 }
@@ -171,14 +173,14 @@ void ReferencePatch::fillJacobian(const SmoothWindow& window) {
 }
 
 bool ReferencePatch::invertHessian() {
-  prior_ = priorOf(kLinearPrior, noise_);
+  prior_ = priorOf(kLinearPrior, noise_, level_);
   Matrix sum = hessian_;
   sum.diagonal() += prior_;
   const Eigen::LLT<Matrix> cholesky(sum);
   if (cholesky.info() != Eigen::Success) return false;
   inverse_ = cholesky.solve(Matrix::Identity());
 
-  const Vector doubt = priorOf(kLinearDoubt, noise_);
+  const Vector doubt = priorOf(kLinearDoubt, noise_, level_);
   sum = hessian_;
   sum.diagonal() += doubt;
   const Eigen::LLT<Matrix> doubtful(sum);

@@ -25,11 +25,13 @@ constexpr double kMaxGain = 5.0;
 constexpr double kResidualFactor = 1.2;
 // Variance of white noise against what smoothing leaves of it in the residual; from simulation.
 constexpr double kWhiteFactor = 4.0;
-constexpr double kFloor = 0.006;  // [px] What the warp model and the interpolation leave.
+constexpr double kFloor =
+    0.006;  // [px of the patch] What the warp model and the interpolation leave.
 // What noise does not explain is alike over several pixels, and displaces more than as much noise.
 constexpr double kMisfitFactor = 1.5;
-// [px] Between two things that one patch shows: the share of its contrast that is not its own pulls
-// it by that share of this. Both are from the residuals of real tracks after bundle adjustment.
+// [px of the patch] Between two things that one patch shows: the share of its contrast that is not
+// its own pulls it by that share of this. Both are from the residuals of real tracks after bundle
+// adjustment.
 constexpr double kDisplacement = 10.0;
 
 constexpr double kMinContrast = 1.0;  // [gray^2] Below lies the noise of any camera.
@@ -48,8 +50,10 @@ double TrackGate::sigma(const Registration& registration) const {
   const double beyond = misfit(registration);
   const double variance =
       0.5 * registration.unit_covariance.trace() * kWhiteFactor * (noise_ + kMisfitFactor * beyond);
-  const double pull = kDisplacement * beyond / std::max(registration.contrast, kMinContrast);
-  return std::sqrt(variance + pull * pull + kFloor * kFloor);
+  const double pull =
+      pixel_ * kDisplacement * beyond / std::max(registration.contrast, kMinContrast);
+  const double floor = pixel_ * kFloor;
+  return std::sqrt(variance + pull * pull + floor * floor);
 }
 
 double TrackGate::whiteNoise() const { return kWhiteFactor * noise_; }

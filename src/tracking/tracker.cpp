@@ -16,8 +16,10 @@ constexpr double kNeighbourhood = 0.15;  // [image widths]
 
 }  // namespace
 
-Tracker::Impl::Impl(const TrackerOptions& o)
-    : options(o), usable_area_(o.mask, ReferencePatch::kRawRadius) {
+Tracker::Impl::Impl(const TrackerOptions& o) : options(o), usable_area_(o.mask) {
+  for (int level = 0; level < ReferencePatch::kLevels; ++level) {
+    gates_.emplace_back(std::ldexp(1.0, level));
+  }
   // As many in reserve as are wanted.
   const std::size_t capacity = 2 * static_cast<std::size_t>(options.max_features);
   patches_.resize(capacity);
@@ -29,7 +31,8 @@ void Tracker::Impl::restart() {
   listTracks();
   current_.clear();
   previous_.clear();
-  gate_.reset();
+  for (TrackGate& gate : gates_) gate.reset();
+  balance_ = LevelBalance();
 }
 
 void Tracker::Impl::load(const ImageView& image) {
@@ -82,21 +85,23 @@ void Tracker::Impl::find(std::size_t i, PatchRegistration* worker) {
 
 // Where the neighbours do not expect it, only what looks the same is the same: else it is another
 // corner that resembles it.
-bool Tracker::Impl::accepts(const Registration& result, const Eigen::Vector2d& expected) const {
-  return gate_.accepts(result) &&
+bool Tracker::Impl::accepts(const Feature& feature, const Registration& result,
+                            const Eigen::Vector2d& expected) const {
+  const TrackGate& gate = gateOf(feature);
+  return gate.accepts(result) &&
          ((result.warp.pixel - expected).norm() <= local_motion_.scatter() ||
-          gate_.looksTheSame(result));
+          gate.looksTheSame(result));
 }
 
 bool Tracker::Impl::findFrom(std::size_t i, const Warp& start, const Eigen::Vector2d& expected,
                              PatchRegistration* worker) {
   Feature& feature = features[i];
   const Registration result = worker->run(&patches_[feature.patch], current_, start);
-  if (!accepts(result, expected)) return false;
+  if (!accepts(feature, result, expected)) return false;
   feature.velocity = result.warp.pixel - feature.warp.pixel;
   feature.warp = result.warp;
   feature.pixel = result.pixel;
-  feature.sigma = gate_.sigma(result);
+  feature.sigma = gateOf(feature).sigma(result);
   feature.missed = 0;
   registered_[i] = result;
   return true;
@@ -114,7 +119,12 @@ void Tracker::Impl::search() {
 
 bool Tracker::Impl::mayReturn(const Feature& feature) const {
   return feature.missed <= kMaxMissed &&
-         usable_area_.contains(feature.place().x(), feature.place().y());
+         usable_area_.contains(feature.place().x(), feature.place().y(), marginOf(feature));
+}
+
+// What its patch covers [px].
+int Tracker::Impl::marginOf(const Feature& feature) const {
+  return ReferencePatch::kRawRadius << levelOf(feature);
 }
 
 // Features that are not found, or poorly, do not keep others from starting: they are followed
@@ -139,15 +149,27 @@ void Tracker::Impl::limitReserve() {
 void Tracker::Impl::advance() {
   predict();
   search();
-  accepted_.clear();
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    if (features[i].missed == 0) accepted_.push_back(registered_[i]);
-  }
+  learn();
   keepIf([this](const Feature& feature) { return mayReturn(feature); });
   limitReserve();
-  gate_.learn(accepted_);
-  for (PatchRegistration& worker : registrations_) worker.setNoise(gate_.whiteNoise());
   listTracks();
+}
+
+// From the features that were found: the noise, and what the features of each level tell.
+void Tracker::Impl::learn() {
+  balance_.forget();
+  for (std::vector<Registration>& accepted : accepted_) accepted.clear();
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (features[i].missed > 0) continue;
+    const int level = levelOf(features[i]);
+    balance_.measured(level, features[i].sigma);
+    accepted_[static_cast<std::size_t>(level)].push_back(registered_[i]);
+  }
+  for (int level = 0; level < ReferencePatch::kLevels; ++level) {
+    TrackGate& gate = gates_[static_cast<std::size_t>(level)];
+    gate.learn(accepted_[static_cast<std::size_t>(level)]);
+    for (PatchRegistration& worker : registrations_) worker.setNoise(level, gate.whiteNoise());
+  }
 }
 
 void Tracker::Impl::listTracks() {

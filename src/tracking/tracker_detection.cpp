@@ -1,15 +1,16 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "tracker_impl.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kAnchorReach = 2.0;  // [px] From a patch's centre to the tracked point.
+// Of a patch, in its own pixels.
+constexpr double kAnchorReach = 2.0;  // From the centre to the tracked point.
 constexpr int kMaskRadius = ReferencePatch::kRawRadius;
-// [px] Around a corner when detected.
 constexpr int kBorder = kMaskRadius + static_cast<int>(kAnchorReach) + 1;
 constexpr int kSaturated = 250;                     // [gray]
 constexpr double kMaxSaturatedShare = 0.25;         // Of a patch.
@@ -29,6 +30,17 @@ bool saturated(const cv::Mat& image, int x, int y) {
   return count > kMaxSaturatedShare * (2 * r + 1) * (2 * r + 1);
 }
 
+// The nearest pixel of a level.
+Eigen::Vector2i atLevel(const Corner& corner, int level) {
+  const int half = (1 << level) / 2;
+  return {(corner.x + half) >> level, (corner.y + half) >> level};
+}
+
+bool inside(const Eigen::Vector2i& pixel, const cv::Mat& image, int border) {
+  return pixel.minCoeff() >= border && pixel.x() < image.cols - border &&
+         pixel.y() < image.rows - border;
+}
+
 }  // namespace
 
 double Tracker::Impl::minDistance() const {
@@ -42,11 +54,15 @@ int Tracker::Impl::cell() const {
   return std::max(1, static_cast<int>(std::sqrt(area / options.max_features)));
 }
 
-// Whether a feature may be there.
-bool Tracker::Impl::allowed(const Corner& corner) const {
-  return !mask_.touches(corner.x, corner.y, kMaskRadius) &&
-         usable_area_.contains(corner.x, corner.y) &&
-         !saturated(current_.level(0), corner.x, corner.y);
+// Whether a feature of that level may be there.
+bool Tracker::Impl::allowed(const Corner& corner, int level) const {
+  if (level >= current_.levels()) return false;
+  const cv::Mat& image = current_.level(level);
+  const Eigen::Vector2i centre = atLevel(corner, level);
+  const int margin = kMaskRadius << level;
+  return inside(centre, image, kBorder) && !mask_.touches(corner.x, corner.y, margin) &&
+         usable_area_.contains(corner.x, corner.y, margin) &&
+         !saturated(image, centre.x(), centre.y());
 }
 
 // Features in reserve keep no others away, but from the very same corner.
@@ -58,13 +74,15 @@ bool Tracker::Impl::crowded(const Eigen::Vector2d& pixel, double distance) const
 }
 
 // Cuts the patch at the corner's tip, which lies beside the maximum of the detector's response.
-bool Tracker::Impl::cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const {
-  Eigen::Vector2i centre(corner.x, corner.y);
+bool Tracker::Impl::cut(const Corner& corner, int level, ReferencePatch* patch, Warp* warp) const {
+  const double pixel = std::ldexp(1.0, level);
+  Eigen::Vector2i centre = atLevel(corner, level);
+  warp->linear = pixel * Eigen::Matrix2d::Identity();
   for (int pass = 0; pass < 2; ++pass) {
-    patch->cut(current_.level(0), centre.x(), centre.y());
+    patch->cut(current_.level(level), centre.x(), centre.y(), level);
     if (!registrations_[0].prepare(patch)) return false;
     patch->chooseAnchor(kAnchorReach);
-    warp->pixel = centre.cast<double>();
+    warp->pixel = pixel * centre.cast<double>();
     const Eigen::Vector2i step = patch->anchor().array().round().cast<int>();
     if (step.isZero()) return true;
     centre += step;
@@ -88,46 +106,67 @@ bool Tracker::Impl::seenBefore(Feature* feature) {
                                       previous_, effort, &there);
   const Eigen::Vector2d pixel = flows ? Eigen::Vector2d(there.x, there.y) : guess.cast<double>();
   const Registration before =
-      registrations_[0].run(&patches_[feature->patch], previous_, {pixel, motion.linear.inverse()});
+      registrations_[0].run(&patches_[feature->patch], previous_,
+                            {pixel, motion.linear.inverse() * feature->warp.linear});
   if (before.status == Registration::Status::kOutside) return true;
-  if (!gate_.accepts(before) || !gate_.looksTheSame(before)) return false;
+  const TrackGate& gate = gateOf(*feature);
+  if (!gate.accepts(before) || !gate.looksTheSame(before)) return false;
   feature->velocity = feature->warp.pixel - before.warp.pixel;
   return true;
 }
 
-bool Tracker::Impl::begin(const Corner& corner) {
+bool Tracker::Impl::begin(const Corner& corner, int level) {
   Feature feature;
   feature.patch = free_patches_.back();
   ReferencePatch& patch = patches_[feature.patch];
-  if (!cut(corner, &patch, &feature.warp)) return false;
-  feature.reference_pixel = feature.pixel = feature.warp.pixel + patch.anchor();
+  if (!cut(corner, level, &patch, &feature.warp)) return false;
+  feature.reference_pixel = feature.pixel =
+      feature.warp.pixel + feature.warp.linear * patch.anchor();
   if (crowded(feature.pixel, minDistance())) return false;
   // Registered on itself: what sigma the next images are to expect.
   const Registration itself = registrations_[0].run(&patch, current_, feature.warp);
-  if (!gate_.accepts(itself) || gate_.sigma(itself) > kGoodTrackSigma) return false;
+  const TrackGate& gate = gateOf(feature);
+  if (!gate.accepts(itself) || gate.sigma(itself) > kGoodTrackSigma) return false;
   if (!seenBefore(&feature)) return false;
-  feature.sigma = gate_.sigma(itself);
+  feature.sigma = gate.sigma(itself);
   feature.id = next_id_++;
   free_patches_.pop_back();
   features.push_back(feature);
   return true;
 }
 
+LevelBalance::Counts Tracker::Impl::goodFeatures() const {
+  LevelBalance::Counts counts{};
+  for (const Feature& feature : features) {
+    if (feature.good()) ++counts[static_cast<std::size_t>(levelOf(feature))];
+  }
+  return counts;
+}
+
+// The level that is due, or else, near what is masked or the edge, a finer one; -1: none.
+int Tracker::Impl::levelFor(const Corner& corner, const LevelBalance::Counts& good) const {
+  int level = balance_.next(good);
+  while (level >= 0 && !allowed(corner, level)) --level;
+  return level;
+}
+
 std::vector<Track> Tracker::Impl::detect() {
   std::vector<Track> started;
   mask_.update();
   frame.field = mask_.field(frame.width, frame.height);
-  const auto good = std::count_if(features.begin(), features.end(),
-                                  [](const Feature& feature) { return feature.good(); });
-  const auto wanted =
-      static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, options.max_features - good));
+  LevelBalance::Counts good = goodFeatures();
+  const std::size_t there = std::accumulate(good.begin(), good.end(), std::size_t{0});
+  const auto most = static_cast<std::size_t>(options.max_features);
+  const std::size_t wanted = most - std::min(most, there);
   if (wanted == 0) return started;
   std::size_t tries = kTriesPerFeature * wanted;
   for (const Corner& corner : harris_.detect(current_, kBorder, cell())) {
     if (started.size() == wanted || tries == 0) break;
-    if (crowded({corner.x, corner.y}, minDistance()) || !allowed(corner)) continue;
+    const int level = levelFor(corner, good);
+    if (level < 0 || crowded({corner.x, corner.y}, minDistance())) continue;
     --tries;
-    if (!begin(corner)) continue;
+    if (!begin(corner, level)) continue;
+    ++good[static_cast<std::size_t>(level)];
     const Feature& feature = features.back();
     started.push_back({feature.id, feature.pixel, feature.reference_pixel, feature.sigma});
   }
@@ -139,7 +178,7 @@ std::vector<Eigen::Vector2d> Tracker::Impl::corners(int count) {
   std::vector<Eigen::Vector2d> found;
   for (const Corner& corner : harris_.detect(current_, kBorder, cell())) {
     if (static_cast<int>(found.size()) >= count) break;
-    if (crowded({corner.x, corner.y}, kSameCorner) || !allowed(corner)) continue;
+    if (crowded({corner.x, corner.y}, kSameCorner) || !allowed(corner, 0)) continue;
     found.emplace_back(corner.x, corner.y);
   }
   return found;

@@ -8,6 +8,7 @@
 #include "camera_self_calibration/tracking/field_mask.h"
 #include "camera_self_calibration/tracking/flow_prediction.h"
 #include "camera_self_calibration/tracking/harris.h"
+#include "camera_self_calibration/tracking/level_balance.h"
 #include "camera_self_calibration/tracking/local_motion.h"
 #include "camera_self_calibration/tracking/lucas_kanade.h"
 #include "camera_self_calibration/tracking/patch_registration.h"
@@ -62,16 +63,28 @@ struct Tracker::Impl {
   void find(std::size_t i, PatchRegistration* worker);
   bool findFrom(std::size_t i, const Warp& start, const Eigen::Vector2d& expected,
                 PatchRegistration* worker);
-  bool accepts(const Registration& result, const Eigen::Vector2d& expected) const;
+  bool accepts(const Feature& feature, const Registration& result,
+               const Eigen::Vector2d& expected) const;
+  void learn();
   void limitReserve();
   bool mayReturn(const Feature& feature) const;
 
   double minDistance() const;
   int cell() const;
-  bool allowed(const Corner& corner) const;
+  int levelOf(const Feature& feature) const { return patches_[feature.patch].level(); }
+  int marginOf(const Feature& feature) const;
+  TrackGate& gateOf(const Feature& feature) {
+    return gates_[static_cast<std::size_t>(levelOf(feature))];
+  }
+  const TrackGate& gateOf(const Feature& feature) const {
+    return gates_[static_cast<std::size_t>(levelOf(feature))];
+  }
+  LevelBalance::Counts goodFeatures() const;
+  bool allowed(const Corner& corner, int level) const;
   bool crowded(const Eigen::Vector2d& pixel, double distance) const;
-  bool cut(const Corner& corner, ReferencePatch* patch, Warp* warp) const;
-  bool begin(const Corner& corner);
+  bool cut(const Corner& corner, int level, ReferencePatch* patch, Warp* warp) const;
+  int levelFor(const Corner& corner, const LevelBalance::Counts& good) const;
+  bool begin(const Corner& corner, int level);
   bool seenBefore(Feature* feature);
 
   std::int64_t next_id_ = 0;
@@ -87,16 +100,16 @@ struct Tracker::Impl {
   LocalMotion local_motion_;
   LucasKanade backward_;
   std::array<PatchRegistration, kStripes> registrations_;
-  TrackGate gate_;
+  std::vector<TrackGate> gates_;  // by level
+  LevelBalance balance_;
   HarrisDetector harris_;
   // Of the features that were found in the previous image: where, and where the flow leads.
   std::vector<cv::Point2f> from_;
   std::vector<cv::Point2f> predicted_;
-  std::vector<int> flow_index_;  // of each feature in them; -1: none
-  // How the features of an image were found, where they were; of those that were.
-  std::vector<Registration> registered_;
-  std::vector<Registration> accepted_;
-  std::vector<const Feature*> reserve_;  // not good
+  std::vector<int> flow_index_;           // of each feature in them; -1: none
+  std::vector<Registration> registered_;  // how the features were found, where they were
+  std::array<std::vector<Registration>, ReferencePatch::kLevels> accepted_;  // of those, by level
+  std::vector<const Feature*> reserve_;                                      // not good
 };
 
 // Calls keep(feature) once for each feature, in order, and ends those for which it is false.
@@ -107,6 +120,7 @@ void Tracker::Impl::keepIf(const Keep& keep) {
     if (keep(features[i])) {
       features[kept++] = features[i];
     } else {
+      balance_.ended(levelOf(features[i]));
       free_patches_.push_back(features[i].patch);
     }
   }

@@ -108,7 +108,8 @@ TEST(TrackerRoom, WideLensInAFurnishedRoom) {
   EXPECT_LT(medianOf(whole.after_30), 0.15);
   EXPECT_LT(medianOf(other.after_30), 0.15);
   EXPECT_LT(whole.offShare(), 0.005);
-  EXPECT_LT(other.offShare(), 0.05);
+  // A coarse patch shows more of what is beside its own surface.
+  EXPECT_LT(other.offShare(), 0.06);
   const Eigen::Vector2d centre(319.5, 239.5);
   EXPECT_LT(worstMean(byRadius(good, centre, true), "outwards", 100.0), 0.03);
   EXPECT_LT(worstMean(byRadius(good, centre, false), "inwards", 100.0), 0.03);

@@ -9,7 +9,8 @@
 
 namespace camera_self_calibration {
 
-/// Maps an offset u from the centre of the reference patch to the image: pixel + linear * u.
+/// Maps an offset u from the centre of the reference patch, in pixels of the level from which it
+/// was cut, to the image: pixel + linear * u.
 struct Warp {
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
@@ -39,8 +40,11 @@ struct Registration {
 /// reference is blurred.
 class PatchRegistration {
  public:
-  /// Noise of the difference of two patches [gray^2], for references prepared from now on.
-  void setNoise(double noise) { noise_ = noise; }
+  PatchRegistration() { noise_.fill(1.0); }
+
+  /// Noise of the difference of two patches [gray^2], for references cut from that level and
+  /// prepared from now on.
+  void setNoise(int level, double noise) { noise_[static_cast<std::size_t>(level)] = noise; }
 
   /// Prepares a reference for the first time, at the scale at which it was cut.
   bool prepare(ReferencePatch* reference) const;
@@ -56,7 +60,11 @@ class PatchRegistration {
   void measureResidual(const ReferencePatch& reference, const ReferencePatch::Vector& projected,
                        const ReferencePatch::Vector& solution, Registration* result) const;
 
-  double noise_ = 1.0;
+  double noiseOf(const ReferencePatch& reference) const {
+    return noise_[static_cast<std::size_t>(reference.level())];
+  }
+
+  std::array<double, ReferencePatch::kLevels> noise_;
   SmoothWindow window_;
   alignas(16) std::array<float, PatchPoints::kCount> x_;
   alignas(16) std::array<float, PatchPoints::kCount> y_;

@@ -49,9 +49,14 @@ class ReferencePatch {
   using Matrix = Eigen::Matrix<double, kParameters, kParameters>;
   using Vector = Eigen::Matrix<double, kParameters, 1>;
 
-  /// Copies the pixels around (x, y), which lies at least kRawRadius inside the image. To be
-  /// prepared before anything else is asked of it.
-  void cut(const cv::Mat& image, int x, int y);
+  /// Levels of the pyramid from which a patch may be cut. On a coarser one it is as many pixels
+  /// wide and shows more of the scene.
+  static constexpr int kLevels = 2;
+
+  /// Copies the pixels around (x, y), which lies at least kRawRadius inside `image`, that level of
+  /// a pyramid. To be prepared before anything else is asked of it.
+  void cut(const cv::Mat& image, int x, int y, int level = 0);
+  int level() const { return level_; }
 
   /// Computes values, gradients and Hessian at a blur [px^2] beyond that of the spline, with priors
   /// for a variance of the difference between two patches of `noise` [gray^2]. False if the patch
@@ -92,6 +97,7 @@ class ReferencePatch {
   std::array<std::uint8_t, (2 * kRawRadius + 1) * (2 * kRawRadius + 1)> raw_;
   // Weighted derivatives, W J, a block of points side by side: [block][parameter][point].
   alignas(16) std::array<float, kParameters * PatchPoints::kCount> weighted_jacobian_;
+  int level_ = 0;
   double blur_ = -1.0;
   double noise_ = 1.0;
   double contrast_ = 0.0;

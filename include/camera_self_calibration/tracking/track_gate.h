@@ -6,11 +6,14 @@
 
 namespace camera_self_calibration {
 
-/// Decides whether registrations are to be believed, and how precise they are. Learns the noise of
-/// the camera's gray values from what registrations leave over.
+/// Decides whether registrations of the patches of one level are to be believed, and how precise
+/// they are. Learns the noise of the level's gray values from what registrations leave over.
 class TrackGate {
  public:
-  void reset() { *this = TrackGate(); }
+  /// For patches whose pixels have this width in the image [px].
+  explicit TrackGate(double pixel = 1.0) : pixel_(pixel) {}
+
+  void reset() { *this = TrackGate(pixel_); }
 
   /// Standard deviation of the registered pixel per axis [px]: by noise, and by what the patch
   /// shows now that is not in its reference, such as a nearer surface at its side.
@@ -36,6 +39,7 @@ class TrackGate {
  private:
   double misfit(const Registration& registration) const;
 
+  double pixel_;
   double noise_ = 1.0;
   int images_ = 0;
   std::vector<double> residuals_;

@@ -29,7 +29,8 @@ struct TrackerOptions {
 
 /// Follows Harris corners from image to image (sections II-A, II-C): pyramidal KLT predicts, then
 /// the patch is registered, with an affine warp, gain and bias, against the image in which the
-/// corner was detected, so that errors do not add up along the track. What the patch shows beside
+/// corner was detected, so that errors do not add up along the track. Patches are cut at full or at
+/// half resolution, whichever gives more in this video. What the patch shows beside
 /// its own surface makes a measurement less certain before it ends the track, and a track that is
 /// not found (blur, something that passes) is looked for in the next images where its neighbours
 /// say that it is.

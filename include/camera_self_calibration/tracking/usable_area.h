@@ -11,19 +11,18 @@ namespace camera_self_calibration {
 /// look like a scene that stands still.
 class UsableArea {
  public:
-  /// `mask`: 0 where no feature may be; without one every place is allowed. Features keep `margin`
-  /// [px of the image] away from what is masked.
-  UsableArea(const std::optional<ImageView>& mask, int margin);
+  /// `mask`: 0 where no feature may be; without one every place is allowed.
+  explicit UsableArea(const std::optional<ImageView>& mask);
 
   /// The mask is scaled to images of this size [px].
   void setImageSize(int width, int height);
 
-  bool contains(double x, double y) const;
+  /// Whether nothing within `margin` [px of the image, along its axes] is masked.
+  bool contains(double x, double y, int margin) const;
 
  private:
-  cv::Mat mask_;    // As given; empty: none.
-  cv::Mat usable_;  // Of the image's size, without the margin.
-  int margin_;
+  cv::Mat mask_;      // As given; empty: none.
+  cv::Mat distance_;  // Of the image's size: how far it is to what is masked.
 };
 
 }  // namespace camera_self_calibration
