@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/pixel_grid.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -15,33 +16,13 @@ namespace {
 using Column = Intrinsics;  // how one free value changes the parameters
 using Fits = std::function<bool(const Camera&)>;
 
-struct Sample {
-  Eigen::Vector2d pixel;
-  Eigen::Vector3d ray;
-  double weight;
-};
-
-std::vector<Sample> samplesOf(const Camera& estimate, const ImageWeights& weights) {
-  std::vector<Sample> samples;
-  for (int row = 0; row < ImageField::kRows; ++row) {
-    for (int column = 0; column < ImageField::kColumns; ++column) {
-      if (!(weights.of(column, row) > 0.0)) continue;
-      const Eigen::Vector2d pixel =
-          ImageField::pixel(column, row, estimate.width(), estimate.height());
-      const auto ray = estimate.unproject(pixel);
-      if (ray) samples.push_back({pixel, *ray, weights.of(column, row)});
-    }
-  }
-  return samples;
-}
-
 struct Step {
   double cost = std::numeric_limits<double>::infinity();
   Eigen::VectorXd values;  // of the columns, Gauss-Newton
 };
 
 // No rotation is removed: it would hide where the principal point is.
-Step stepOf(const Camera& camera, const std::vector<Sample>& samples,
+Step stepOf(const Camera& camera, const std::vector<PixelRay>& samples,
             const std::vector<Column>& columns) {
   const auto count = static_cast<Eigen::Index>(columns.size());
   Eigen::MatrixXd change(camera.parameterCount(), count);
@@ -50,7 +31,7 @@ Step stepOf(const Camera& camera, const std::vector<Sample>& samples,
   Eigen::VectorXd g = Eigen::VectorXd::Zero(count);
   double sum = 0.0;
   double projected = 0.0;
-  for (const Sample& sample : samples) {
+  for (const PixelRay& sample : samples) {
     Eigen::Vector2d pixel;
     PixelIntrinsicsJacobian d_parameters;
     if (!camera.project(sample.ray, &pixel, nullptr, &d_parameters)) continue;
@@ -68,7 +49,7 @@ Step stepOf(const Camera& camera, const std::vector<Sample>& samples,
 }
 
 // The values of the columns that bring the camera closest to what the samples say.
-Camera fitted(Camera camera, const std::vector<Sample>& samples,
+Camera fitted(Camera camera, const std::vector<PixelRay>& samples,
               const std::vector<Column>& columns) {
   constexpr int kSteps = 20;
   constexpr double kGain = 1e-6;  // of the cost, below which it has settled
@@ -129,7 +110,7 @@ Camera withModel(const Camera& camera, CameraModel model, const Intrinsics& para
 
 // What a calibration in question is judged by.
 struct Judge {
-  std::vector<Sample> samples;
+  std::vector<PixelRay> samples;
   const Fits& fits;
 
   // Or would with a slightly other focal length: a mistake seldom meets a calibration that is
@@ -259,7 +240,7 @@ CauseFound likelyCause(const Camera& calibration, const Camera& estimate,
                        const ImageWeights& weights, const Fits& fits) {
   const Camera start(calibration.model(), estimate.width(), estimate.height(),
                      calibration.parameters());
-  const Judge judge{samplesOf(estimate, weights), fits};
+  const Judge judge{pixelGrid(estimate, weights), fits};
   if (fits(start)) {
     return {LikelyCause::kResolution,
             "only the image size differs, as where another part of the sensor is read"};

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/camera/rotation_compensation.h"
 #include "camera_self_calibration/geometry/so3.h"
-#include "rotation_compensation.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/fit_without_k3.h"
-#include "pixel_grid.h"
+#include "camera_self_calibration/camera/pixel_grid.h"
 
 namespace camera_self_calibration {
 namespace {

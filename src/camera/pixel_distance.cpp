@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/pixel_difference.h"
-#include "pixel_grid.h"
-#include "rotation_compensation.h"
+#include "camera_self_calibration/camera/pixel_grid.h"
+#include "camera_self_calibration/camera/rotation_compensation.h"
 
 namespace camera_self_calibration {
 

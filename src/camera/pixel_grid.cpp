@@ -1,4 +1,4 @@
-#include "pixel_grid.h"
+#include "camera_self_calibration/camera/pixel_grid.h"
 
 namespace camera_self_calibration {
 
@@ -17,8 +17,7 @@ std::vector<PixelRay> pixelGrid(const Camera& camera, const ImageWeights& weight
     for (int column = 0; column < ImageField::kColumns; ++column) {
       const double weight = weights.of(column, row);
       if (!(weight > 0.0)) continue;
-      const Eigen::Vector2d pixel =
-          ImageField::pixel(column, row, camera.width(), camera.height());
+      const Eigen::Vector2d pixel = ImageField::pixel(column, row, camera.width(), camera.height());
       if (const auto ray = camera.unproject(pixel)) grid.push_back({pixel, *ray, weight});
     }
   }

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "pixel_grid.h"
+#include "camera_self_calibration/camera/pixel_grid.h"
 
 namespace camera_self_calibration {
 namespace {

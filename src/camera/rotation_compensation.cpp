@@ -1,4 +1,4 @@
-#include "rotation_compensation.h"
+#include "camera_self_calibration/camera/rotation_compensation.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>

@@ -101,20 +101,14 @@ std::vector<IntrinsicsMatrix> taughtBy(const CameraHistory& history,
 }
 
 // What bags scatter among themselves beyond their uncertainties does not shrink with the number of
-// their segments: `tau^2 I^-1 (sum I_b U I_b) I^-1` over the bags b, as in EstimateSum.
+// their segments.
 IntrinsicsMatrix scatterOfBags(const std::vector<IntrinsicsMatrix>& taught, double tau_px,
                                const Camera& lens) {
-  const IntrinsicsMatrix unit = pixelUnit(lens);
-  IntrinsicsMatrix all = IntrinsicsMatrix::Zero(unit.rows(), unit.cols());
-  IntrinsicsMatrix spread = all;
+  EstimateSum bags(lens.parameters().head(lens.estimatedCount()), pixelUnit(lens));
   for (const IntrinsicsMatrix& bag : taught) {
-    if (bag.size() == 0) continue;
-    all += bag;
-    spread += bag * unit * bag;
+    if (bag.size() > 0) bags.addInformation(bag);
   }
-  const auto inverse = covarianceFromInformation(all);
-  if (!inverse) return IntrinsicsMatrix::Zero(unit.rows(), unit.cols());
-  return tau_px * tau_px * (*inverse * spread * *inverse);
+  return bags.scatterCovariance(tau_px * tau_px);
 }
 
 void judge(const CameraHistory& history, int epoch, const QueueSolution& solution,

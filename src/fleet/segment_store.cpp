@@ -5,7 +5,7 @@
 #include <memory>
 #include <optional>
 
-#include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -37,13 +37,6 @@ const Candidate* find(const LearntState& state, const WantedSegment& wanted) {
 }
 
 }  // namespace
-
-DecodedState readStateFile(const std::string& path) {
-  const FileContents contents = readFile(path);
-  if (!contents.exists) return {nullptr, "there is no such file"};
-  if (!contents.error.empty()) return {nullptr, contents.error};
-  return decodeState(contents.bytes);
-}
 
 void SegmentStore::note(const std::string& path, const std::vector<BagRecord>& records,
                         const LearntState& state) {

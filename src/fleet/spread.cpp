@@ -7,15 +7,9 @@
 #include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/queue/scatter.h"
 
 namespace camera_self_calibration {
-namespace {
-
-// That the stated sigmas count for, beside what scatters (Scatter::moderated).
-constexpr int kPriorFreedom = 5;
-
-}  // namespace
-
 EstimateSum::EstimateSum(const Intrinsics& origin, const IntrinsicsMatrix& unit)
     : origin_(origin),
       unit_(unit),
@@ -31,13 +25,17 @@ bool EstimateSum::change(const Estimate& estimate, int sign) {
   const Intrinsics off = estimate.value - origin_;
   one.count_ = 1;
   one.freedom_ = estimate.freedom;
-  one.information_ = *information;
-  one.information_unit_information_ = *information * unit_ * *information;
+  one.addInformation(*information);
   one.weighted_ = *information * off;
   one.square_ = off.dot(one.weighted_);
   one.unit_trace_ = (*information * unit_).trace();
   accumulate(one, sign);
   return true;
+}
+
+void EstimateSum::addInformation(const IntrinsicsMatrix& information) {
+  information_ += information;
+  information_unit_information_ += information * unit_ * information;
 }
 
 void EstimateSum::accumulate(const EstimateSum& other, int sign) {
@@ -62,12 +60,18 @@ EstimateSum& EstimateSum::operator-=(const EstimateSum& other) {
 
 Intrinsics EstimateSum::mean() const { return origin_ + covariance() * weighted_; }
 
-// With W the sum of informations W_i: `W^-1 + tau^2 W^-1 (sum W_i U W_i) W^-1`.
+IntrinsicsMatrix EstimateSum::ownCovariance() const {
+  return covarianceFromInformation(information_)
+      .value_or(IntrinsicsMatrix::Zero(origin_.size(), origin_.size()));
+}
+
+IntrinsicsMatrix EstimateSum::scatterCovariance(double tau_squared) const {
+  const IntrinsicsMatrix own = ownCovariance();
+  return tau_squared * (own * information_unit_information_ * own);
+}
+
 IntrinsicsMatrix EstimateSum::covariance(double tau_squared) const {
-  const IntrinsicsMatrix own =
-      covarianceFromInformation(information_)
-          .value_or(IntrinsicsMatrix::Zero(origin_.size(), origin_.size()));
-  return own + tau_squared * (own * information_unit_information_ * own);
+  return ownCovariance() + scatterCovariance(tau_squared);
 }
 
 double EstimateSum::chiSquare() const {
@@ -106,7 +110,7 @@ Difference difference(const EstimateSum& a, const EstimateSum& b, double most_ta
   const auto n = static_cast<double>(off.size());
   result.statistic = off.dot(*information * off) / n;
   int freedom = a.scatterFreedom() + b.scatterFreedom();
-  if (tau_squared == 0.0) freedom += kPriorFreedom + a.freedom() + b.freedom();
+  if (tau_squared == 0.0) freedom += Scatter::kPriorFreedom + a.freedom() + b.freedom();
   result.p_value = fExceedance(result.statistic, n, std::max(1, freedom));
   return result;
 }

@@ -17,10 +17,7 @@ double Scatter::inflation() const {
   return freedom > 0 ? std::sqrt(std::max(1.0, chi_square / freedom)) : 1.0;
 }
 
-Scatter Scatter::moderated() const {
-  constexpr int kPriorFreedom = 5;
-  return {chi_square + kPriorFreedom, freedom + kPriorFreedom};
-}
+Scatter Scatter::moderated() const { return {chi_square + kPriorFreedom, freedom + kPriorFreedom}; }
 
 int Scatter::inflationFreedom() const {
   return freedom > 0 && chiSquareExceedance(chi_square, freedom) < kByChance ? freedom : 0;

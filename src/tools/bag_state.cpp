@@ -3,9 +3,9 @@
 #include <filesystem>
 #include <stdexcept>
 
-#include "camera_self_calibration/fleet/segment_store.h"
 #include "camera_self_calibration/fleet/state_solution.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "camera_self_calibration/plotting/teaching_chart.h"
 #include "camera_self_calibration/tools/bag_state.h"
 #include "camera_self_calibration/tools/calibration_file.h"
@@ -138,8 +139,7 @@ std::string historyText(const CameraResult& camera) {
   return text;
 }
 
-void addWorth(const EpochResult& epoch, const std::vector<WantedSegment>& wanted,
-              std::vector<BagWorth>* worth) {
+void addWorth(const EpochResult& epoch, std::vector<BagWorth>* worth) {
   IntrinsicsMatrix all;
   for (const IntrinsicsMatrix& taught : epoch.solution.taught) {
     if (taught.size() > 0) all = all.size() == 0 ? taught : IntrinsicsMatrix(all + taught);
@@ -148,7 +148,7 @@ void addWorth(const EpochResult& epoch, const std::vector<WantedSegment>& wanted
     const IntrinsicsMatrix& taught = epoch.solution.taught[b];
     if (taught.size() > 0) (*worth)[b].growth = teachingOf(epoch.lens, all, taught).image;
   }
-  for (const WantedSegment& segment : wanted) ++(*worth)[segment.bag].segments;
+  for (const WantedSegment& segment : epoch.solution.segments) ++(*worth)[segment.bag].segments;
 }
 
 std::string cameraJson(const CameraResult& camera) {
@@ -219,7 +219,7 @@ CameraResult writeCamera(const CameraHistory& history, const SegmentStore& store
     epoch.solution = solveEpoch(history, e, store, options);
     epoch.solved = epoch.solution.learnt != nullptr;
     if (epoch.solved) epoch.lens = epoch.solution.learnt->camera;
-    addWorth(epoch, epoch.solution.segments, &result.worth);
+    addWorth(epoch, &result.worth);
     result.epochs.push_back(std::move(epoch));
   }
   // All segments are loaded: what they were read from may be replaced.

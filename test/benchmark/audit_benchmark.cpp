@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/handheld_run.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/audit/audit.h"
 #include "camera_self_calibration/base/parallel.h"
@@ -20,7 +21,6 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr int kThreads = 2;
-constexpr double kRateHz = 15.0;
 
 Camera with(const Camera& camera, double focal, double shift_px, double k) {
   Intrinsics p = camera.parameters();
@@ -72,14 +72,8 @@ struct Outcome {
 
 TrackRunOptions runOptions(std::uint64_t seed, double seconds) {
   Random random(mixSeed(seed, 91));
-  TrackRunOptions run;
-  run.seed = seed;
-  run.rate_hz = kRateHz;
-  run.max_features = 100;
-  run.motion_speed = random.uniform(0.4, 1.0);
-  run.pixel_sigma = random.uniform(0.1, 0.3);
+  TrackRunOptions run = handheldRun(seed, seconds, &random);
   run.outlier_share = random.uniform(0.0, 0.02);
-  run.duration_s = seconds + 1.0;
   return run;
 }
 
@@ -88,7 +82,7 @@ Outcome trial(std::uint64_t seed, double seconds) {
   TrackRun run(truth, Options(), runOptions(seed, seconds));
   Outcome outcome;
   std::uint64_t judged = 0;
-  for (int i = 0; i < seconds * kRateHz; ++i) {
+  for (int i = 0; i < seconds * kHandheldRateHz; ++i) {
     run.step();
     const CalibrationReport report = run.report();
     if (report.revision == judged) continue;

@@ -13,15 +13,16 @@
 #include <string>
 #include <vector>
 
+#include "benchmark/handheld_run.h"
 #include "benchmark/program_arguments.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/base/parallel.h"
 #include "camera_self_calibration/camera/image_weights.h"
+#include "camera_self_calibration/camera/pixel_grid.h"
+#include "camera_self_calibration/camera/rotation_compensation.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "pipeline/track_run.h"
-#include "pixel_grid.h"
-#include "rotation_compensation.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -29,7 +30,6 @@ namespace {
 constexpr int kThreads = 2;
 constexpr int kWidth = 640;
 constexpr int kHeight = 480;
-constexpr double kRateHz = 15.0;
 constexpr double kVisiblePx = 1.0;  // what a misfit has to be noticed from
 
 using Warp = std::function<Eigen::Vector2d(const Eigen::Vector2d&)>;
@@ -127,14 +127,8 @@ struct Outcome {
 
 TrackRunOptions runOptions(const TrueLens& lens, std::uint64_t seed, double seconds) {
   Random random(mixSeed(seed, 24));
-  TrackRunOptions run;
-  run.seed = seed;
-  run.rate_hz = kRateHz;
-  run.max_features = 100;
-  run.motion_speed = random.uniform(0.4, 1.0);
-  run.pixel_sigma = random.uniform(0.1, 0.3);
+  TrackRunOptions run = handheldRun(seed, seconds, &random);
   run.outlier_share = 0.01;
-  run.duration_s = seconds + 1.0;
   run.warp = lens.warp;
   return run;
 }
@@ -158,7 +152,7 @@ Outcome trial(const TrueLens& lens, std::optional<CameraModel> model, std::uint6
       if (observation.keyframe == newest) features.count(observation.pixel);
     }
   };
-  run.run(static_cast<int>(seconds * kRateHz));
+  run.run(static_cast<int>(seconds * kHandheldRateHz));
   Outcome outcome{run.report()};
   outcome.error_px = bestRotation(seenRays(lens, features), outcome.report.camera).error.rms;
   return outcome;

@@ -45,7 +45,4 @@ class SegmentStore {
   std::map<Key, std::size_t> path_of_;
 };
 
-/// A state file, or in words why it cannot be used.
-DecodedState readStateFile(const std::string& path);
-
 }  // namespace camera_self_calibration

@@ -30,6 +30,8 @@ class EstimateSum {
   /// inverse.
   bool add(const Estimate& estimate) { return change(estimate, 1); }
   bool remove(const Estimate& estimate) { return change(estimate, -1); }
+  /// Takes in an estimate of which only the covariance of the mean is to know.
+  void addInformation(const IntrinsicsMatrix& information);
   EstimateSum& operator+=(const EstimateSum& other);
   EstimateSum& operator-=(const EstimateSum& other);
 
@@ -38,6 +40,9 @@ class EstimateSum {
   Intrinsics mean() const;
   /// Of the mean, where the estimates scatter by `tau_squared` [px^2] beyond what they say.
   IntrinsicsMatrix covariance(double tau_squared = 0.0) const;
+  /// The part of it that is due to the scatter: with W the sum of informations W_i
+  /// `tau^2 W^-1 (sum W_i U W_i) W^-1`.
+  IntrinsicsMatrix scatterCovariance(double tau_squared) const;
   /// Of the estimates about their mean, in their own sigmas.
   double chiSquare() const;
   /// Of chiSquare().
@@ -47,6 +52,7 @@ class EstimateSum {
 
  private:
   bool change(const Estimate& estimate, int sign);
+  IntrinsicsMatrix ownCovariance() const;
   void accumulate(const EstimateSum& other, int sign);
 
   Intrinsics origin_;

@@ -15,8 +15,11 @@ struct Scatter {
   /// least 1.
   double inflation() const;
 
-  /// The same with the sigmas themselves for a witness: as if five more degrees of freedom had
-  /// scattered by just those. What two segments alone scatter could be of any size by chance.
+  /// Degrees of freedom that the stated sigmas count for, beside what scatters.
+  static constexpr int kPriorFreedom = 5;
+
+  /// The same with the sigmas themselves for a witness: as if kPriorFreedom more degrees of freedom
+  /// had scattered by just those. What two segments alone scatter could be of any size by chance.
   Scatter moderated() const;
 
   /// Degrees of freedom from which inflation() is known; 0 where so much happens by chance: the

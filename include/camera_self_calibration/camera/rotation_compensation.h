@@ -5,7 +5,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "pixel_grid.h"
+#include "camera_self_calibration/camera/pixel_grid.h"
 
 namespace camera_self_calibration {
 
