@@ -10,7 +10,7 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kWidth = 760;
+constexpr int kWidth = 500;
 constexpr double kMargin = 16.0;
 constexpr double kTop = 58.0;
 constexpr double kScaleHeight = 50.0;
@@ -32,16 +32,16 @@ double scaleEnd(const PixelDifference& difference) {
 
 class DifferenceChart {
  public:
-  DifferenceChart(const Camera& a, const PixelDifference& difference, Theme theme)
+  DifferenceChart(const Camera& a, const PixelDifference& difference)
       : a_(a),
         difference_(difference),
-        colours_(palette(theme)),
+        colours_(palette(Theme::kLight)),
         scale_((kWidth - 2.0 * kMargin) / a.width()),
         area_(kMargin, kTop, a.width() * scale_, a.height() * scale_),
         largest_(scaleEnd(difference)),
         sheet_(kWidth, static_cast<int>(kTop + area_.height + kScaleHeight), colours_.background) {}
 
-  cv::Mat draw() {
+  Sheet draw() {
     const PixelError& error = difference_.error;
     sheet_.text(formatted("%.3g px rms, %.3g px at most", error.rms, error.max), {kMargin, 26.0},
                 10.0, colours_.text, Align::kLeft, true);
@@ -55,7 +55,7 @@ class DifferenceChart {
     drawCentre();
     sheet_.outline(area_, colours_.faint_text);
     drawScale();
-    return sheet_.image();
+    return sheet_;
   }
 
  private:
@@ -132,8 +132,8 @@ class DifferenceChart {
 
 }  // namespace
 
-cv::Mat drawDifference(const Camera& a, const PixelDifference& difference, Theme theme) {
-  return DifferenceChart(a, difference, theme).draw();
+Sheet drawDifference(const Camera& a, const PixelDifference& difference) {
+  return DifferenceChart(a, difference).draw();
 }
 
 }  // namespace camera_self_calibration

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/plotting/sheet.h"
@@ -13,8 +12,6 @@ namespace {
 constexpr double kMargin = 12.0;
 constexpr double kTop = 26.0;
 constexpr double kBottom = 40.0;  // scale of colours
-constexpr int kCell = 16;         // pixels per value before scaling
-const Colour kNothing(236, 232, 230);
 
 double largestOf(const Eigen::MatrixXd& values) {
   double largest = 0.0;
@@ -24,45 +21,21 @@ double largestOf(const Eigen::MatrixXd& values) {
   return largest;
 }
 
-/// Values between the grid's, from those of the four neighbours that exist.
-double valueAt(const Eigen::MatrixXd& values, double row, double column, bool smooth) {
-  const auto nearest = [](double at, Eigen::Index count) {
-    return std::clamp<Eigen::Index>(std::lround(at), 0, count - 1);
-  };
-  const double own = values(nearest(row, values.rows()), nearest(column, values.cols()));
-  if (!smooth || !std::isfinite(own)) return own;
-  double sum = 0.0;
-  double weight = 0.0;
-  for (int dr = 0; dr <= 1; ++dr) {
-    for (int dc = 0; dc <= 1; ++dc) {
-      const double r = std::floor(row) + dr;
-      const double c = std::floor(column) + dc;
-      if (r < 0 || c < 0 || r >= values.rows() || c >= values.cols()) continue;
-      const double value = values(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+void drawCells(const ImageMap& map, double highest, const cv::Rect2d& area, Sheet* sheet) {
+  const double width = area.width / static_cast<double>(map.values.cols());
+  const double height = area.height / static_cast<double>(map.values.rows());
+  // A little larger than it is, so that no lines are seen between cells.
+  constexpr double kOverlap = 0.3;
+  for (Eigen::Index row = 0; row < map.values.rows(); ++row) {
+    for (Eigen::Index column = 0; column < map.values.cols(); ++column) {
+      const double value = map.values(row, column);
       if (!std::isfinite(value)) continue;
-      const double w = (1.0 - std::abs(row - r)) * (1.0 - std::abs(column - c));
-      sum += w * value;
-      weight += w;
+      const cv::Rect2d cell(area.x + width * static_cast<double>(column),
+                            area.y + height * static_cast<double>(row), width + kOverlap,
+                            height + kOverlap);
+      sheet->fill(cell & area, errorColour(value / highest));
     }
   }
-  return weight > 0.0 ? sum / weight : own;
-}
-
-cv::Mat coloured(const ImageMap& map, double highest) {
-  const int rows = kCell * static_cast<int>(map.values.rows());
-  const int columns = kCell * static_cast<int>(map.values.cols());
-  cv::Mat picture(rows, columns, CV_8UC3);
-  for (int y = 0; y < rows; ++y) {
-    for (int x = 0; x < columns; ++x) {
-      const double value =
-          valueAt(map.values, (y + 0.5) / kCell - 0.5, (x + 0.5) / kCell - 0.5, map.smooth);
-      const Colour colour = std::isfinite(value) ? errorColour(value / highest) : kNothing;
-      for (int c = 0; c < 3; ++c) {
-        picture.at<cv::Vec3b>(y, x)[c] = cv::saturate_cast<std::uint8_t>(colour[c]);
-      }
-    }
-  }
-  return picture;
 }
 
 std::string shortNumber(double value) {
@@ -113,7 +86,7 @@ void drawCross(const cv::Point2d& centre, const cv::Rect2d& area, Sheet* sheet) 
 
 }  // namespace
 
-cv::Mat drawImageMap(const ImageMap& map, int width, bool fine) {
+Sheet drawImageMap(const ImageMap& map, int width) {
   const Palette& colours = palette(Theme::kLight);
   const double inner = width - 2.0 * kMargin;
   const double height = inner * map.image_height / std::max(1, map.image_width);
@@ -122,7 +95,8 @@ cv::Mat drawImageMap(const ImageMap& map, int width, bool fine) {
   sheet.text(map.title, {kMargin, 16.0}, 8.0, colours.text, Align::kLeft, true);
   double highest = map.highest > 0.0 ? map.highest : largestOf(map.values);
   if (!(highest > 0.0)) highest = 1.0;
-  if (map.values.size() > 0) sheet.picture(coloured(map, highest), area);
+  sheet.fill(area, colours.grid);
+  drawCells(map, highest, area, &sheet);
   const double scale = inner / std::max(1, map.image_width);
   for (const ImageMap::Arrow& arrow : map.arrows) {
     const Eigen::Vector2d from = scale * (arrow.pixel.array() + 0.5).matrix();
@@ -136,7 +110,7 @@ cv::Mat drawImageMap(const ImageMap& map, int width, bool fine) {
   }
   sheet.outline(area, colours.grid);
   drawScale(map, highest, area, &sheet);
-  return fine ? sheet.fineImage() : sheet.image();
+  return sheet;
 }
 
 }  // namespace camera_self_calibration

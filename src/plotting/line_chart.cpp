@@ -13,10 +13,10 @@ constexpr double kLeft = 66.0;
 constexpr double kRight = 16.0;
 constexpr double kTop = 22.0;     // title of a panel
 constexpr double kBottom = 20.0;  // numbers of the x axis
-constexpr double kHeader = 50.0;  // title and legend of the sheet
+constexpr double kTitle = 22.0;   // of the sheet
+constexpr double kLegend = 28.0;  // below it
 constexpr double kFooter = 16.0;
 constexpr double kLetters = 7.5;
-constexpr double kDashLength = 5.0;
 
 bool drawable(const LineChart& chart, double y) {
   return std::isfinite(y) && (!chart.logarithmic_y || y > 0.0);
@@ -84,35 +84,6 @@ Range yRange(const LineChart& chart, double quantile) {
   return {centre - half, centre + half};
 }
 
-void drawDashed(const std::vector<cv::Point2d>& points, const Colour& colour, double width,
-                const cv::Rect2d& area, Sheet* sheet) {
-  double along = 0.0;
-  for (std::size_t i = 1; i < points.size(); ++i) {
-    const double length = cv::norm(points[i] - points[i - 1]);
-    for (double at = 0.0; at < length;) {
-      const double phase = std::fmod(along + at, 2.0 * kDashLength);
-      const double step = std::min(length - at, phase < kDashLength ? kDashLength - phase
-                                                                    : 2.0 * kDashLength - phase) +
-                          1e-6;
-      const auto point = [&](double s) {
-        return points[i - 1] + (points[i] - points[i - 1]) * (std::min(s, length) / length);
-      };
-      if (phase < kDashLength) sheet->curve({point(at), point(at + step)}, colour, width, area);
-      at += step;
-    }
-    along += length;
-  }
-}
-
-void drawLine(const std::vector<cv::Point2d>& points, bool dashed, const Colour& colour,
-              double width, const cv::Rect2d& area, Sheet* sheet) {
-  if (dashed) {
-    drawDashed(points, colour, width, area, sheet);
-  } else {
-    sheet->curve(points, colour, width, area);
-  }
-}
-
 void drawCurve(const LineChart& chart, const Curve& curve, const Axes& axes, bool bounds,
                Sheet* sheet) {
   std::vector<cv::Point2d> middle, upper, lower;
@@ -123,17 +94,17 @@ void drawCurve(const LineChart& chart, const Curve& curve, const Axes& axes, boo
     lower.push_back(axes.at(curve.x[i], curve.y[i] - spreadAt(curve, i)));
   }
   if (!bounds) {
-    drawLine(middle, curve.dashed, curve.colour, 1.4, axes.area, sheet);
+    sheet->curve(middle, curve.colour, 1.4, axes.area, curve.dashed);
     return;
   }
   if (curve.spread.empty()) return;
   if (curve.dashed) {
-    drawLine(upper, true, curve.colour, 0.8, axes.area, sheet);
-    drawLine(lower, true, curve.colour, 0.8, axes.area, sheet);
+    sheet->curve(upper, curve.colour, 0.8, axes.area, true);
+    sheet->curve(lower, curve.colour, 0.8, axes.area, true);
     return;
   }
   upper.insert(upper.end(), lower.rbegin(), lower.rend());
-  sheet->polygon(upper, curve.colour * 0.25 + Colour(255, 255, 255) * 0.75, axes.area);
+  sheet->polygon(upper, curve.colour, axes.area, 0.25);
 }
 
 void drawPanel(const LineChart& chart, const Axes& axes, const Palette& colours, Sheet* sheet) {
@@ -161,14 +132,22 @@ void drawPanel(const LineChart& chart, const Axes& axes, const Palette& colours,
               Align::kRight);
 }
 
-void drawLegend(const std::vector<LineChart>& charts, const LineChartSheet& style,
+bool hasLegend(const std::vector<LineChart>& charts, const LineChartSheet& style) {
+  if (charts.empty()) return false;
+  if (!style.level_name.empty()) return true;
+  const std::vector<Curve>& curves = charts.front().curves;
+  return std::any_of(curves.begin(), curves.end(), [](const Curve& c) { return !c.name.empty(); });
+}
+
+void drawLegend(const std::vector<LineChart>& charts, const LineChartSheet& style, double top,
                 const Palette& colours, Sheet* sheet) {
   double x = kLeft;
   const auto entry = [&](const std::string& name, const Colour& colour, bool dashed) {
     if (name.empty()) return;
-    const cv::Rect2d all(0.0, 0.0, style.width, kHeader);
-    drawLine({{x, 36.5}, {x + 26.0, 36.5}}, dashed, colour, 2.0, all, sheet);
-    sheet->text(name, {x + 32.0, 40.0}, kLetters, colours.text);
+    const double y = top + 14.5;
+    const cv::Rect2d all(0.0, top, style.width, kLegend);
+    sheet->curve({{x, y}, {x + 26.0, y}}, colour, 2.0, all, dashed);
+    sheet->text(name, {x + 32.0, y + 3.5}, kLetters, colours.text);
     x += 32.0 + Sheet::textWidth(name, kLetters) + 22.0;
   };
   for (const Curve& curve : charts.front().curves) entry(curve.name, curve.colour, curve.dashed);
@@ -177,27 +156,29 @@ void drawLegend(const std::vector<LineChart>& charts, const LineChartSheet& styl
 
 }  // namespace
 
-cv::Mat drawLineCharts(const std::vector<LineChart>& charts, const LineChartSheet& style) {
+Sheet drawLineCharts(const std::vector<LineChart>& charts, const LineChartSheet& style) {
   const Palette& colours = palette(Theme::kLight);
   const int columns = std::max(1, style.columns);
   const int rows = (static_cast<int>(charts.size()) + columns - 1) / columns;
-  const int height = static_cast<int>(kHeader + kFooter) + rows * style.panel_height;
+  const double legend_top = style.title.empty() ? 0.0 : kTitle;
+  const double header = legend_top + (hasLegend(charts, style) ? kLegend : 0.0);
+  const int height = static_cast<int>(header + kFooter) + rows * style.panel_height;
   Sheet sheet(style.width, height, colours.background);
   sheet.text(style.title, {kLeft, 20.0}, 9.5, colours.text, Align::kLeft, true);
-  if (!charts.empty()) drawLegend(charts, style, colours, &sheet);
+  if (!charts.empty()) drawLegend(charts, style, legend_top, colours, &sheet);
   const Range x = xRange(charts);
   const double width = static_cast<double>(style.width) / columns;
   for (std::size_t i = 0; i < charts.size(); ++i) {
     const int index = static_cast<int>(i);
     const cv::Rect2d area(width * (index % columns) + kLeft,
-                          kHeader + style.panel_height * (index / columns) + kTop,
+                          header + style.panel_height * (index / columns) + kTop,
                           width - kLeft - kRight, style.panel_height - kTop - kBottom);
     const Axes axes{area, x, yRange(charts[i], style.quantile), charts[i].logarithmic_y};
     drawPanel(charts[i], axes, colours, &sheet);
   }
   sheet.text(style.x_label, {style.width - kRight, height - 4.0}, 6.5, colours.faint_text,
              Align::kRight);
-  return style.fine ? sheet.fineImage() : sheet.image();
+  return sheet;
 }
 
 }  // namespace camera_self_calibration

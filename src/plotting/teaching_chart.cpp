@@ -18,9 +18,8 @@ constexpr double kLeft = 66.0;
 constexpr double kFull = 0.5;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-Colour shade(double growth) {
-  const double share = std::sqrt(std::clamp(growth / kFull, 0.0, 1.0));
-  return Colour(242, 236, 228) * (1.0 - share) + Colour(140, 60, 20) * share;
+double opacityOf(double growth) {
+  return 0.06 + 0.94 * std::sqrt(std::clamp(growth / kFull, 0.0, 1.0));
 }
 
 void drawKey(double right, const Palette& colours, Sheet* sheet) {
@@ -28,7 +27,7 @@ void drawKey(double right, const Palette& colours, Sheet* sheet) {
   for (const auto& [growth, text] :
        {std::make_pair(kFull, "+50 % or more"), {0.1, "+10 %"}, {0.02, "+2 %"}}) {
     x -= Sheet::textWidth(text, 7.0) + 26.0;
-    sheet->fill({x, 24.0, 14.0, 9.0}, shade(growth));
+    sheet->fill({x, 24.0, 14.0, 9.0}, colours.curve, opacityOf(growth));
     sheet->text(text, {x + 18.0, 32.0}, 7.0, colours.faint_text);
   }
 }
@@ -78,9 +77,8 @@ std::vector<SegmentTeaching> teachings(const std::vector<Candidate>& queue, cons
   return result;
 }
 
-cv::Mat drawTeachings(const std::vector<SegmentTeaching>& segments,
-                      const std::vector<std::string>& names, double duration_s, int width,
-                      bool fine) {
+Sheet drawTeachings(const std::vector<SegmentTeaching>& segments,
+                    const std::vector<std::string>& names, double duration_s, int width) {
   const Palette& colours = palette(Theme::kLight);
   const double rows = 1.0 + static_cast<double>(names.size());
   Sheet sheet(width, static_cast<int>(kTop + rows * kRow + 34.0), colours.background);
@@ -102,11 +100,12 @@ cv::Mat drawTeachings(const std::vector<SegmentTeaching>& segments,
       const double x0 = axes.at(segment.begin_s, 0.0).x;
       const double x1 = axes.at(segment.end_s, 0.0).x;
       const double growth = row == 0 ? segment.image : segment.values[parameter];
-      sheet.fill({x0, y + 2.0, std::max(3.0, x1 - x0), kRow - 4.0}, shade(growth));
+      sheet.fill({x0, y + 2.0, std::max(3.0, x1 - x0), kRow - 4.0}, colours.curve,
+                 opacityOf(growth));
     }
     sheet.line({kLeft, y + kRow}, {width - 16.0, y + kRow}, colours.grid, row == 0 ? 1.5 : 0.5);
   }
-  return fine ? sheet.fineImage() : sheet.image();
+  return sheet;
 }
 
 }  // namespace camera_self_calibration

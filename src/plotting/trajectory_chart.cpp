@@ -58,8 +58,8 @@ void markEnds(const PlanePath& path, const Axes& axes, const Palette& colours, S
 
 }  // namespace
 
-cv::Mat drawPaths(const std::vector<PlanePath>& paths, const std::string& title,
-                  const std::string& unit, int width, int height, bool fine) {
+Sheet drawPaths(const std::vector<PlanePath>& paths, const std::string& title,
+                const std::string& unit, int width, int height) {
   const Palette& colours = palette(Theme::kLight);
   Sheet sheet(width, height, colours.background);
   const Axes axes = equalAxes(extent(paths), {56.0, 44.0, width - 72.0, height - 82.0});
@@ -77,7 +77,7 @@ cv::Mat drawPaths(const std::vector<PlanePath>& paths, const std::string& title,
     x += 50.0 + Sheet::textWidth(path.name, 7.0);
   }
   if (!paths.empty()) markEnds(paths.front(), axes, colours, &sheet);
-  return fine ? sheet.fineImage() : sheet.image();
+  return sheet;
 }
 
 }  // namespace camera_self_calibration

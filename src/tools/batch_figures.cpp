@@ -111,27 +111,17 @@ LineChart parameterChart(const std::vector<CalibrationReport>& reports,
   return chart;
 }
 
-LineChartSheet sheetOf(const std::string& title, const std::optional<Camera>& reference,
-                       bool fine) {
+LineChartSheet sheetOf(const std::string& title, const std::optional<Camera>& reference) {
   LineChartSheet sheet;
   sheet.title = title;
   sheet.x_label = "keyframes";
   sheet.level_name = reference ? "reference calibration" : "";
-  sheet.fine = fine;
   return sheet;
 }
 
-void writePng(const std::string& path, const cv::Mat& image) {
-  if (cv::imwrite(path, image)) return;
-  throw std::runtime_error(path + " cannot be written");
-}
-
-}  // namespace
-
-cv::Mat drawParameterFigure(const std::vector<CalibrationReport>& reports,
-                            const BatchComparison& comparison,
-                            const std::optional<Camera>& reference, bool fine) {
-  if (reports.empty()) return {};
+std::vector<LineChart> parameterCharts(const std::vector<CalibrationReport>& reports,
+                                       const BatchComparison& comparison,
+                                       const std::optional<Camera>& reference) {
   std::vector<LineChart> charts;
   const Eigen::Index count = reports.back().camera.estimatedCount();
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -139,26 +129,57 @@ cv::Mat drawParameterFigure(const std::vector<CalibrationReport>& reports,
   }
   charts.push_back(determinantChart(reports, comparison));
   markHandover(reports, &charts);
-  return drawLineCharts(
-      charts, sheetOf("Parameters with bounds of 3 sigma; upright dashes: hand-over to the queue",
-                      reference, fine));
+  return charts;
 }
 
-cv::Mat drawFocalLengthFigure(const std::vector<CalibrationReport>& reports,
-                              const BatchComparison& comparison,
-                              const std::optional<Camera>& reference, bool fine) {
-  if (reports.empty()) return {};
+void writePng(const std::string& path, const Sheet& sheet) {
+  if (cv::imwrite(path, sheet.fineImage())) return;
+  throw std::runtime_error(path + " cannot be written");
+}
+
+}  // namespace
+
+Sheet drawParameterFigure(const std::vector<CalibrationReport>& reports,
+                          const BatchComparison& comparison,
+                          const std::optional<Camera>& reference) {
+  return drawLineCharts(
+      parameterCharts(reports, comparison, reference),
+      sheetOf("Parameters with bounds of 3 sigma; upright dashes: hand-over to the queue",
+              reference));
+}
+
+std::vector<Sheet> drawParameterPanels(const std::vector<CalibrationReport>& reports,
+                                       const BatchComparison& comparison,
+                                       const std::optional<Camera>& reference, int width) {
+  LineChartSheet style = sheetOf("", reference);
+  style.columns = 1;
+  style.width = width;
+  style.panel_height = 180;
+  std::vector<Sheet> panels;
+  for (LineChart& chart : parameterCharts(reports, comparison, reference)) {
+    // With nothing to compare there is one curve, which needs no legend.
+    if (comparison.batch.empty() && !reference) {
+      for (Curve& curve : chart.curves) curve.name.clear();
+    }
+    panels.push_back(drawLineCharts({chart}, style));
+  }
+  return panels;
+}
+
+Sheet drawFocalLengthFigure(const std::vector<CalibrationReport>& reports,
+                            const BatchComparison& comparison,
+                            const std::optional<Camera>& reference) {
   std::vector<LineChart> charts = {parameterChart(reports, comparison, reference, 0),
                                    determinantChart(reports, comparison)};
   markHandover(reports, &charts);
-  LineChartSheet sheet = sheetOf("Focal length and determinant", reference, fine);
+  LineChartSheet sheet = sheetOf("Focal length and determinant", reference);
   sheet.columns = 1;
   sheet.panel_height = 230;
   return drawLineCharts(charts, sheet);
 }
 
-cv::Mat drawQueueSizeFigure(const BatchComparison& comparison,
-                            const std::optional<Camera>& reference, bool fine) {
+Sheet drawQueueSizeFigure(const BatchComparison& comparison, const std::optional<Camera>& reference,
+                          int width) {
   LineChart chart;
   chart.title = "fx [px]";
   for (std::size_t i = 0; i < comparison.sizes.size(); ++i) {
@@ -174,7 +195,8 @@ cv::Mat drawQueueSizeFigure(const BatchComparison& comparison,
   Curve batch = parameterCurve(comparison.batch, 0);
   batch.spread.clear();
   chart.curves.push_back(batch);
-  LineChartSheet sheet = sheetOf("Queues of different size", reference, fine);
+  LineChartSheet sheet = sheetOf("Queues of different size", reference);
+  sheet.width = width;
   sheet.columns = 1;
   sheet.panel_height = 320;
   sheet.quantile = 0.93;
@@ -186,11 +208,11 @@ void writeBatchFigures(const std::string& folder, const std::vector<CalibrationR
   if (reports.empty()) return;
   const std::filesystem::path path(folder);
   writePng((path / "fig4_parameters.png").string(),
-           drawParameterFigure(reports, comparison, reference, true));
+           drawParameterFigure(reports, comparison, reference));
   writePng((path / "fig5_focal_length.png").string(),
-           drawFocalLengthFigure(reports, comparison, reference, true));
+           drawFocalLengthFigure(reports, comparison, reference));
   writePng((path / "fig7_queue_sizes.png").string(),
-           drawQueueSizeFigure(comparison, reference, true));
+           drawQueueSizeFigure(comparison, reference, 1000));
 }
 
 }  // namespace camera_self_calibration

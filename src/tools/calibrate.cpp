@@ -73,6 +73,17 @@ Callbacks recordInto(Recording* recording) {
   return callbacks;
 }
 
+/// Lets `finder` see every image with its tracks.
+void findExample(ExampleFinder* finder, const ImageView** image, const Recording& recording,
+                 Callbacks* callbacks) {
+  const auto record = callbacks->frame;
+  callbacks->frame = [=, &recording](const FrameResult& result) {
+    record(result);
+    const bool any = !recording.reports.empty();
+    finder->add(**image, result, any ? recording.reports.back().epoch : 0);
+  };
+}
+
 /// Audits at each new estimate, so that a calibration that ceases to be right is dated.
 void auditInto(const AuditOptions& options, AuditHistory* history, Recording* recording,
                Callbacks* callbacks) {
@@ -137,6 +148,8 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   Callbacks callbacks = recordInto(&recording);
   if (extras.audited) auditInto(extras.audit, &history, &recording, &callbacks);
   if (extras.batch) watch(options, &batch, &view, &callbacks);
+  ExampleFinder example;
+  if (extras.example) findExample(&example, &view, recording, &callbacks);
   SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
   std::unique_ptr<SelfCalibrator> held;
   if (extras.reference) held = heldRun(options, *extras.reference, &recording);
@@ -162,6 +175,7 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   recording.processing_seconds = progress.elapsedSeconds();
   recording.final_report = calibrator.calibration();
   recording.learnt = calibrator.state();
+  if (!example.found().gray.empty()) recording.example = example.found();
   if (extras.batch && recording.complete) recording.batch = batch.finish();
   if (recording.frames > 0) progress.show(recording.final_report, true);
   progress.finish();

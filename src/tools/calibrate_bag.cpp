@@ -1,5 +1,6 @@
 // Calibrates a camera from stored images: the program calibrate_bag.
 
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -8,6 +9,7 @@
 #include "camera_self_calibration/tools/bag_state.h"
 #include "camera_self_calibration/tools/calibrate.h"
 #include "camera_self_calibration/tools/calibrate_bag_arguments.h"
+#include "camera_self_calibration/tools/fleet_results.h"
 #include "camera_self_calibration/tools/interruption.h"
 #include "camera_self_calibration/tools/report_html.h"
 #include "camera_self_calibration/tools/report_text.h"
@@ -59,7 +61,10 @@ void write(const CalibrateBagArguments& arguments, const std::string& name,
   if (!arguments.report) return;
   const std::string path = (std::filesystem::path(arguments.out) / "report.html").string();
   std::ofstream file(path);
-  file << reportHtml(name, recording, trajectory, arguments.ground_truth);
+  const double limit = arguments.options.convergedRms(recording.final_report.camera.width());
+  file << reportHtml({arguments.source.path, name, arguments.given, limit,
+                      timeText(1000000000LL * std::time(nullptr))},
+                     recording, trajectory, arguments.ground_truth);
   if (!file.flush()) throw std::runtime_error(path + " cannot be written");
 }
 

@@ -2,6 +2,7 @@
 
 #include <boost/program_options.hpp>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 #include "camera_self_calibration/base/formatted.h"
@@ -95,6 +96,19 @@ po::options_description description(CalibrateBagArguments* arguments) {
   return all;
 }
 
+/// Without those that only say where results go.
+std::string givenOptions(const po::parsed_options& parsed) {
+  const std::set<std::string> others = {"input",     "out",    "state-out",      "camera",
+                                        "overwrite", "report", "solver-threads", "help"};
+  std::string text;
+  for (const po::option& option : parsed.options) {
+    if (others.count(option.string_key) > 0) continue;
+    text += (text.empty() ? "--" : " --") + option.string_key;
+    for (const std::string& value : option.value) text += " " + value;
+  }
+  return text;
+}
+
 CameraModel modelFromName(const std::string& name) {
   const std::optional<CameraModel> model = cameraModelFromString(name);
   if (model) return *model;
@@ -183,6 +197,7 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
   if (!read) return std::nullopt;
   const po::variables_map& given = *read;
   checkSource(arguments.source);
+  arguments.given = givenOptions(parseCommandLine(argc, argv, description(&arguments), {"input"}));
   const std::string model = given.count("model") > 0 ? given["model"].as<std::string>() : "auto";
   if (model != "auto") arguments.options.model = modelFromName(model);
   if (given.count("score") > 0) {
@@ -195,6 +210,7 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
     setInitial(given["initial"].as<std::string>(), &arguments.options);
   }
   readComparisons(given, &arguments);
+  arguments.extras.example = arguments.report;
   checkOptions(arguments.options);
   return arguments;
 }

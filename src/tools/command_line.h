@@ -24,13 +24,10 @@ inline void refusePlaceholders(int argc, const char* const* argv) {
   }
 }
 
-/// Reads a program's arguments into the variables that `all` names; `positional` are the options
-/// that may stand without a name, in their order; one of many values takes all that follow. Nothing
-/// if help was asked for: usage and options are printed then. Throws std::exception with what is
-/// wrong with the arguments.
-inline std::optional<boost::program_options::variables_map> readCommandLine(
+/// The arguments by option; `positional` are the options that may stand without a name.
+inline boost::program_options::parsed_options parseCommandLine(
     int argc, const char* const* argv, const boost::program_options::options_description& all,
-    const std::vector<std::string>& positional, const char* usage) {
+    const std::vector<std::string>& positional) {
   namespace po = boost::program_options;
   refusePlaceholders(argc, argv);
   po::positional_options_description unnamed;
@@ -38,9 +35,19 @@ inline std::optional<boost::program_options::variables_map> readCommandLine(
     const bool many = all.find(name, false).semantic()->max_tokens() > 1;
     unnamed.add(name.c_str(), many ? -1 : 1);
   }
-  po::variables_map given;
-  po::store(po::command_line_parser(argc, argv).options(all).positional(unnamed).run(), given);
-  po::notify(given);
+  return po::command_line_parser(argc, argv).options(all).positional(unnamed).run();
+}
+
+/// Reads a program's arguments into the variables that `all` names; `positional` are the options
+/// that may stand without a name, in their order; one of many values takes all that follow. Nothing
+/// if help was asked for: usage and options are printed then. Throws std::exception with what is
+/// wrong with the arguments.
+inline std::optional<boost::program_options::variables_map> readCommandLine(
+    int argc, const char* const* argv, const boost::program_options::options_description& all,
+    const std::vector<std::string>& positional, const char* usage) {
+  boost::program_options::variables_map given;
+  boost::program_options::store(parseCommandLine(argc, argv, all, positional), given);
+  boost::program_options::notify(given);
   if (given.count("help") == 0) return given;
   std::cout << usage << '\n' << all;
   return std::nullopt;

@@ -77,7 +77,7 @@ int run(const Arguments& arguments) {
     throw std::runtime_error("no pixel of A can be seen by B");
   }
   std::cout << comparisonText(a, b, difference);
-  if (!arguments.out.empty() && !cv::imwrite(arguments.out, drawDifference(a, difference))) {
+  if (!arguments.out.empty() && !cv::imwrite(arguments.out, drawDifference(a, difference).fineImage())) {
     throw std::runtime_error("the picture cannot be written to " + arguments.out);
   }
   return difference.error.rms > arguments.limit_px ? 2 : 0;

@@ -153,7 +153,7 @@ std::vector<Curve> curvesOf(const CameraResult& camera, Eigen::Index i) {
   return curves;
 }
 
-cv::Mat drawHistory(const CameraResult& camera) {
+Sheet drawHistory(const CameraResult& camera) {
   const std::vector<std::string> names = camera.history.lens.parameterNames();
   const TimeAxis axis = axisOf(camera.history);
   std::vector<LineChart> charts;
@@ -171,7 +171,6 @@ cv::Mat drawHistory(const CameraResult& camera) {
   sheet.title = camera.history.name;
   sheet.x_label = "days since " + timeText(axis.origin_ns);
   sheet.panel_height = 120;
-  sheet.fine = true;
   sheet.quantile = 1.0;
   return drawLineCharts(charts, sheet);
 }
@@ -186,7 +185,7 @@ void addHistories(const std::vector<const CameraResult*>& cameras, HtmlPage* pag
     const CameraVerdict verdict = verdictOf(*cameras[i]);
     page->verdict(toString(verdict), cssColour(colourOf(verdict)),
                   cameras[i]->history.name + ": " + sentenceOf(*cameras[i]));
-    page->pictures({{drawHistory(*cameras[i]), ""}});
+    page->charts({{drawHistory(*cameras[i]), "Values over time of " + cameras[i]->history.name}});
   }
 }
 

@@ -2,19 +2,25 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <utility>
 
 #include "batch_figures.h"
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/pixel_difference.h"
 #include "camera_self_calibration/plotting/difference_chart.h"
-#include "camera_self_calibration/plotting/palette.h"
 #include "camera_self_calibration/plotting/teaching_chart.h"
+#include "camera_self_calibration/plotting/track_overlay.h"
+#include "camera_self_calibration/tools/calibration_format.h"
+#include "camera_self_calibration/tools/fleet_results.h"
 #include "html_page.h"
 #include "report_numbers.h"
 #include "report_pictures.h"
 
 namespace camera_self_calibration {
 namespace {
+
+constexpr int kChartWidth = 420;
 
 std::string modelText(const Camera& camera) {
   return toString(camera.model()) + ", " + std::to_string(camera.width()) + " x " +
@@ -40,9 +46,9 @@ std::string verdictSentence(const Recording& recording) {
   const int digits = decimalsFor(report.uncertainty.rms);
   return "The " + toString(report.camera.model()) + " lens is known to " +
          number(report.uncertainty.rms, digits) + " px rms over the image (" +
-         number(report.uncertainty.max, digits) + " px at the worst place), from " +
-         number(secondsOf(recording), 1) + " s of video of which " +
-         std::to_string(report.queue.segments.size()) + " segments carry the result.";
+         number(report.uncertainty.max, digits) + " px at the worst place). The result rests on " +
+         std::to_string(report.queue.segments.size()) + " segments out of " +
+         number(secondsOf(recording), 1) + " s of video.";
 }
 
 std::int64_t observationsOf(const Recording& recording) {
@@ -53,21 +59,126 @@ std::int64_t observationsOf(const Recording& recording) {
   return count;
 }
 
-void addHead(const std::string& source_name, const Recording& recording, HtmlPage* page) {
+std::string fieldOfViewText(const Camera& camera) {
+  const FieldOfView field = fieldOfView(camera);
+  return number(field.horizontal, 1) + "\u00b0 horizontal, " + number(field.vertical, 1) +
+         "\u00b0 vertical, " + number(field.diagonal, 1) + "\u00b0 diagonal";
+}
+
+std::string nameOf(const std::string& path) {
+  const std::filesystem::path file(path);
+  return (file.has_filename() ? file : file.parent_path()).filename().string();
+}
+
+void addHead(const RunDescription& run, const Recording& recording, HtmlPage* page) {
   const CalibrationReport& report = recording.final_report;
   page->verdict(toString(report.state), cssColour(stateColour(report.state)),
                 verdictSentence(recording));
   if (!recording.complete) page->paragraph(kPartial);
-  page->paragraph("Source: " + source_name + ". Camera model: " + modelText(report.camera) + ".");
-  const CrossValidation& halves = report.cross_validation;
   page->figures({{number(report.uncertainty.rms, 3) + " px", "expected error, rms"},
                  {number(report.uncertainty.max, 3) + " px", "expected error, worst place"},
                  {number(report.observed.uncertainty.rms, 3) + " px", "rms where features were"},
-                 {halves.compared ? number(halves.difference_px, 3) + " px" : "unknown",
-                  "between two halves of the video"},
                  {std::to_string(recording.frames), "images"},
                  {std::to_string(recording.keyframes), "keyframes"},
                  {std::to_string(observationsOf(recording)), "observations in the queue"}});
+  page->table(
+      {{"", ""},
+       {"input", run.input},
+       {"topic or file", run.topic},
+       {"recorded", timeText(recording.begin_ns) + ", " + number(secondsOf(recording), 1) + " s"},
+       {"lens model", modelText(report.camera)},
+       {"field of view",
+        report.covariance.size() > 0 ? fieldOfViewText(report.camera) : "not known yet"},
+       {"shutter", describe(report.shutter)},
+       {"options", run.options.empty() ? "the defaults" : run.options},
+       {"program", "camera_self_calibration " SELFCAL_VERSION}});
+  const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
+  page->varying("Run on " + run.date + ", in " + number(recording.processing_seconds, 1) + " s (" +
+                number(rate, 0) + " images a second).");
+}
+
+std::string observedText(const ObservedReport& observed) {
+  if (!(observed.share > 0.0)) return "not known yet";
+  const std::string corners =
+      observed.unseen_corners.empty() ? "" : " " + asSentence(observed.unseen_corners);
+  return "Features covered " + number(100.0 * observed.share, 0) +
+         " % of the image; the expected error there is " + number(observed.uncertainty.rms, 3) +
+         " px rms." + corners;
+}
+
+void addVerdict(const RunDescription& run, const Recording& recording, HtmlPage* page) {
+  const CalibrationReport& report = recording.final_report;
+  const auto orUnknown = [](const std::string& text) {
+    return text.empty() ? std::string("Not compared yet.") : asSentence(text);
+  };
+  page->section("Why this verdict",
+                "The state is CONVERGED when the expected error is below its limit. The expected "
+                "error contains noise, disagreement between halves of the video, and misfit of "
+                "the lens model.");
+  page->table({{"check", "result"},
+               {"expected error", number(report.uncertainty.rms, 3) + " px rms; the limit is " +
+                                      number(run.converged_pixel_rms, 2) + " px."},
+               {"halves of the video", orUnknown(report.cross_validation.sentence())},
+               {"lens model", orUnknown(report.lens_fit.sentence())},
+               {"region observed", observedText(report.observed)}});
+}
+
+void addModels(const Recording& recording, HtmlPage* page) {
+  const std::vector<ModelEvidence>& models = recording.final_report.models;
+  if (models.empty()) return;
+  page->section("Comparison of lens models",
+                "How much better the model in use explains the observations, in nats: half the "
+                "difference in chi-square. The simplest model that the video does not refute "
+                "is in use.");
+  std::vector<std::vector<std::string>> rows = {{"model", "behind by [nats]", ""}};
+  for (const ModelEvidence& model : models) {
+    rows.push_back({model.model,
+                    std::isfinite(model.behind) ? number(model.behind, 1) : "cannot fit the video",
+                    model.chosen ? "in use" : ""});
+  }
+  page->table(rows);
+}
+
+void addText(const RunDescription& run, const Recording& recording, HtmlPage* page) {
+  const CalibrationReport& report = recording.final_report;
+  page->section("Calibration to copy");
+  if (report.state != CalibrationState::kConverged) {
+    page->paragraph("There is none: an estimate that has not CONVERGED is not to be used.");
+    return;
+  }
+  CalibrationLabels labels;
+  labels.topic = run.topic;
+  if (!recording.complete) labels.comment = kPartial;
+  bool open = true;
+  for (const auto& [format, name] :
+       {std::pair{CalibrationFormat::kRos, "ROS (camera_info_manager)"},
+        std::pair{CalibrationFormat::kPlain, "this package"},
+        std::pair{CalibrationFormat::kKalibr, "Kalibr"},
+        std::pair{CalibrationFormat::kOpenCv, "OpenCV"}}) {
+    const CameraFit fit = storable(report.camera, format);
+    const std::string approximate =
+        fit.error.max == 0.0 ? ""
+                             : formatted(": approximated as %s, %.2g px rms",
+                                         toString(fit.camera.model()).c_str(), fit.error.rms);
+    page->text(name + approximate, calibrationText(fit.camera, format, labels), open);
+    open = false;
+  }
+}
+
+void addExample(const Recording& recording, HtmlPage* page) {
+  if (!recording.example) return;
+  const ExampleImage& example = *recording.example;
+  const double at_s = 1e-9 * static_cast<double>(example.stamp_ns - originOf(recording));
+  const bool known = recording.final_report.covariance.size() > 0;
+  page->section("An example image",
+                "Straight edges of the scene are straight in the undistorted image if the "
+                "calibration is right.");
+  page->photographs(
+      {{drawTracks(example.gray, example.trails, {}),
+        "At " + number(at_s, 1) + " s, with " + std::to_string(example.trails.trails().size()) +
+            " tracks: new ones are orange, old ones green."},
+       {known ? undistorted(example.gray, recording.final_report.camera) : cv::Mat(),
+        "The same, undistorted with this calibration, at most 120\u00b0 wide."}});
 }
 
 Colour auditColour(AuditVerdict verdict) {
@@ -90,7 +201,7 @@ void addAudit(const Recording& recording, HtmlPage* page) {
   page->paragraph(
       "Over the whole image, from where the video sees a ray to where the calibration in "
       "question does:");
-  page->pictures({{drawDifference(lens, difference), ""}});
+  page->charts({{drawDifference(lens, difference), "Difference between both calibrations"}});
 }
 
 const Camera* sameModel(const std::optional<Camera>& reference, const Camera& camera) {
@@ -107,7 +218,7 @@ void addParameters(const Recording& recording, HtmlPage* page) {
     rows[0].insert(rows[0].end(), {"reference", "difference", "in sigmas"});
   }
   if (batch != nullptr) rows[0].insert(rows[0].end(), {"batch", "sigma of the batch"});
-  const std::vector<std::string> names = report.camera.parameterNames();
+  std::vector<std::string> names = report.camera.parameterNames();
   for (std::size_t i = 0; i < names.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     const double value = report.camera.parameters()(k);
@@ -127,34 +238,49 @@ void addParameters(const Recording& recording, HtmlPage* page) {
     }
   }
   page->section("Parameters",
-                "fx, fy, cx, cy in pixels, pixel centres at integer coordinates. Sigma is one "
-                "standard deviation.");
+                "fx, fy, cx and cy are in pixels, and pixel centres lie at integer coordinates. "
+                "Sigma is one standard deviation.");
   page->table(rows);
+  if (report.covariance.size() == 0) return;
+  page->paragraph(
+      "Correlations. Strong ones are normal: parameters that move together change "
+      "the image little, and the expected error in pixels takes this into account.");
+  names.resize(static_cast<std::size_t>(report.covariance.rows()));
+  const Eigen::VectorXd inverse = report.covariance.diagonal().cwiseSqrt().cwiseInverse();
+  page->correlations(names, inverse.asDiagonal() * report.covariance * inverse.asDiagonal());
 }
 
 void addTrust(const Recording& recording, HtmlPage* page) {
   page->section("Where the calibration can be trusted",
-                "Left: the expected error of a projection, with what a rotation of the camera "
-                "absorbs taken out. Right: how many of the observations that the result rests on "
-                "lie in each part of the image; grey: none.");
+                "The expected error of a projection, with what a rotation of the camera absorbs "
+                "taken out; and how many of the observations that the result rests on lie in each "
+                "part of the image. Grey: none.");
   if (recording.final_report.covariance.size() == 0) {
     page->paragraph("There is no estimate yet.");
     return;
   }
-  page->pictures({{drawUncertainty(recording), ""}, {drawCoverage(recording), ""}});
+  page->charts({{drawUncertainty(recording), "Expected error over the image"},
+                {drawCoverage(recording), "Observations over the image"}});
 }
 
 void addConvergence(const Recording& recording, HtmlPage* page) {
   if (recording.reports.empty()) return;
   const bool batch = !recording.batch.batch.empty();
-  page->section("Convergence",
-                batch ? "The queue of the best segments beside the batch solution of the whole "
-                        "trajectory, solved again from time to time with the same tracks and gates."
-                      : "Estimates over the keyframes. Bands are three standard deviations.");
-  page->pictures(
-      {{drawParameterFigure(recording.reports, recording.batch, recording.reference, true), ""}});
+  page->section(
+      "Convergence",
+      batch ? "The queue of the best segments beside the batch solution of the whole "
+              "trajectory, solved again from time to time with the same tracks and gates."
+            : "Estimates over the keyframes. Bands are three standard deviations; the dashed "
+              "line is the hand-over from startup to the queue.");
+  std::vector<std::pair<Sheet, std::string>> charts;
+  for (Sheet& panel :
+       drawParameterPanels(recording.reports, recording.batch, recording.reference, kChartWidth)) {
+    charts.emplace_back(std::move(panel), "Estimates over the keyframes");
+  }
+  page->charts(charts);
   if (!batch) return;
-  page->pictures({{drawQueueSizeFigure(recording.batch, recording.reference, true), ""}});
+  page->charts({{drawQueueSizeFigure(recording.batch, recording.reference, 700),
+                 "Queues of different size"}});
 }
 
 void addTeachings(const Recording& recording, HtmlPage* page) {
@@ -164,10 +290,11 @@ void addTeachings(const Recording& recording, HtmlPage* page) {
       teachings(recording.learnt->segments, camera, originOf(recording));
   std::vector<std::string> names = camera.parameterNames();
   names.resize(static_cast<std::size_t>(camera.estimatedCount()));
-  page->section("What taught what",
-                "The result rests on these segments of the video alone. The darker, the more the "
-                "error would grow if the segment were missing.");
-  page->pictures({{drawTeachings(taught, names, secondsOf(recording), 1000, true), ""}});
+  page->section("Which seconds informed the result",
+                "The result rests on these segments of the video alone. The darker a segment, the "
+                "more the error would grow without it.");
+  page->charts({{drawTeachings(taught, names, secondsOf(recording), kChartWidth),
+                 "Error without each segment, over time"}});
   std::vector<std::vector<std::string>> rows = {
       {"from [s]", "to [s]", "keyframes", "landmarks", "observations", "error without it"}};
   for (const SegmentTeaching& segment : taught) {
@@ -182,9 +309,25 @@ void addResiduals(const Recording& recording, HtmlPage* page) {
   if (!recording.learnt) return;
   page->section("Residuals",
                 "Of all observations in the queue. Where the lens model fits, the arrows are short "
-                "and point anywhere; a common direction, such as outwards at the corners, would be "
-                "an error of the model.");
-  page->pictures({{drawResidualMap(recording), ""}, {drawResidualDistribution(recording), ""}});
+                "and point anywhere, and the mean outwards is zero within its band; a common "
+                "direction, such as outwards in the corners, is an error of the model.");
+  page->charts(
+      {{drawResidualMap(recording), "Residuals over the image"},
+       {drawResidualsByRadius(recording), "Residuals by distance from the principal point"},
+       {drawResidualsOverTime(recording, originOf(recording)), "Residuals over time"},
+       {drawResidualDistribution(recording), "Distribution of the residuals"}});
+  const double ratio = residualRatio(recording);
+  page->paragraph(
+      "Red: the residuals that the tracker's sigmas lead one to expect. The curve is narrower than "
+      "the standard normal distribution, since landmarks and poses are fitted to the same "
+      "observations and absorb a part of the noise. Real residuals have a sharper peak and longer "
+      "tails: some tracks are better, and some worse, than their sigma says. The residuals' rms "
+      "is " +
+      number(ratio, 2) +
+      (ratio < 1.0 ? " of what is expected: the tracker's sigmas are cautious, and so are the "
+                     "parameters' sigmas, which never assume less noise than the tracker states."
+                   : " of what is expected: the parameters' sigmas take the difference into "
+                     "account."));
 }
 
 std::vector<std::string> differenceRow(const std::string& name,
@@ -217,7 +360,7 @@ void addTrajectory(const Recording& recording, const TrajectoryResults& results,
     if (!row.empty()) rows.push_back(row);
   }
   if (rows.size() > 1) page->table(rows);
-  page->pictures({{drawTrajectory(recording, ground_truth), ""}});
+  page->charts({{drawTrajectory(recording, ground_truth), "Path of the camera from above"}});
 }
 
 void addReference(const Recording& recording, HtmlPage* page) {
@@ -239,24 +382,28 @@ void addEvents(const Recording& recording, HtmlPage* page) {
   const std::int64_t origin = originOf(recording);
   for (const Event& event : recording.events) {
     rows.push_back({number(1e-9 * static_cast<double>(event.stamp_ns - origin), 2),
-                    toString(event.type), event.sentence});
+                    toString(event.type), asSentence(event.sentence)});
   }
   page->table(rows);
 }
 
 }  // namespace
 
-std::string reportHtml(const std::string& source_name, const Recording& recording,
+std::string reportHtml(const RunDescription& run, const Recording& recording,
                        const TrajectoryResults& trajectory,
                        const std::vector<StampedCameraPose>& ground_truth) {
-  HtmlPage page("Camera calibration from motion");
-  addHead(source_name, recording, &page);
+  HtmlPage page("Camera calibration: " + nameOf(run.input));
+  addHead(run, recording, &page);
   addAudit(recording, &page);
+  addVerdict(run, recording, &page);
   addParameters(recording, &page);
+  addText(run, recording, &page);
+  addExample(recording, &page);
   addTrust(recording, &page);
+  addResiduals(recording, &page);
+  addModels(recording, &page);
   addConvergence(recording, &page);
   addTeachings(recording, &page);
-  addResiduals(recording, &page);
   addTrajectory(recording, trajectory, ground_truth, &page);
   addReference(recording, &page);
   addEvents(recording, &page);

@@ -5,7 +5,6 @@
 #include <string>
 
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/plotting/palette.h"
 
 namespace camera_self_calibration {
 
@@ -13,7 +12,10 @@ namespace camera_self_calibration {
 
 /// "-" for what is not a finite number.
 inline std::string number(double value, int decimals) {
-  return std::isfinite(value) ? formatted("%.*f", decimals, value) : "-";
+  if (!std::isfinite(value)) return "-";
+  const std::string text = formatted("%.*f", decimals, value);
+  const bool zero = text.find_first_not_of("-0.") == std::string::npos;
+  return zero && text.front() == '-' ? text.substr(1) : text;
 }
 
 /// Decimals that show two digits of a sigma.
@@ -26,11 +28,6 @@ inline int decimalsFor(double sigma) {
 inline std::string percent(double share, int decimals = 1) {
   if (!std::isfinite(share)) return "not observable without it";
   return number(100.0 * share, decimals) + " %";
-}
-
-/// For HtmlPage.
-inline std::string cssColour(const Colour& bgr) {
-  return formatted("rgb(%.0f,%.0f,%.0f)", bgr[2], bgr[1], bgr[0]);
 }
 
 }  // namespace camera_self_calibration

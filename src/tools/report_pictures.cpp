@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/plotting/histogram.h"
 #include "camera_self_calibration/plotting/image_map.h"
+#include "camera_self_calibration/plotting/line_chart.h"
 #include "camera_self_calibration/plotting/trajectory_chart.h"
 #include "camera_self_calibration/queue/observed_area.h"
 #include "camera_self_calibration/queue/queue_residuals.h"
@@ -17,9 +20,10 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr int kMapWidth = 500;
+constexpr int kWidth = 420;   // of a chart: letters are readable where it is shown 340 px wide
 constexpr int kColumns = 16;  // of residual and coverage maps
 constexpr int kRows = 12;
+const Colour kOrange(20, 110, 226);
 
 /// What falls into one cell of the image.
 struct Cell {
@@ -27,6 +31,31 @@ struct Cell {
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
   double squares = 0.0;
 };
+
+/// What lies at one distance from the principal point, or in one keyframe.
+struct Ring {
+  double count = 0.0;
+  double radius = 0.0;  // sums of what they are called
+  double outwards = 0.0;
+  double squares = 0.0;
+
+  void add(double at, double outward, const Eigen::Vector2d& residual) {
+    count += 1.0;
+    radius += at;
+    outwards += outward;
+    squares += residual.squaredNorm();
+  }
+};
+
+LineChartSheet onePanel(const std::string& x_label) {
+  LineChartSheet sheet;
+  sheet.x_label = x_label;
+  sheet.columns = 1;
+  sheet.width = kWidth;
+  sheet.panel_height = 250;
+  sheet.quantile = 1.0;
+  return sheet;
+}
 
 std::vector<QueueResidual> residualsOf(const Recording& recording) {
   if (!recording.learnt) return {};
@@ -134,9 +163,8 @@ std::vector<Eigen::Vector2d> unobservedPixels(const Recording& recording) {
 
 }  // namespace
 
-cv::Mat drawUncertainty(const Recording& recording) {
+Sheet drawUncertainty(const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
-  if (report.covariance.size() == 0) return {};
   ImageMap map = mapOver(report.camera, "expected error (1 sigma); crosses: never seen", "px");
   map.crosses = unobservedPixels(recording);
   map.values = Eigen::MatrixXd::Constant(30, 40, kNone);
@@ -145,17 +173,16 @@ cv::Mat drawUncertainty(const Recording& recording) {
     const auto column = std::lround(point.pixel.x() / (report.camera.width() - 1) * 39.0);
     map.values(std::clamp(row, 0L, 29L), std::clamp(column, 0L, 39L)) = point.sigma;
   }
-  return drawImageMap(map, kMapWidth, true);
+  return drawImageMap(map, kWidth);
 }
 
-cv::Mat drawResidualMap(const Recording& recording) {
+Sheet drawResidualMap(const Recording& recording) {
   const Camera& camera = recording.final_report.camera;
   const std::vector<Cell> cells = cellsOf(recording);
   ImageMap map = mapOver(camera, "residuals: rms (colour) and mean (arrows)", "px");
   map.values = gridOf(cells, [](const Cell& cell) {
     return cell.count > 3 ? std::sqrt(cell.squares / cell.count) : kNone;
   });
-  map.smooth = false;
   double longest = 0.0;
   for (int r = 0; r < kRows; ++r) {
     for (int c = 0; c < kColumns; ++c) {
@@ -168,60 +195,118 @@ cv::Mat drawResidualMap(const Recording& recording) {
     }
   }
   map.arrow_scale = roundScale(longest, 1.2 * camera.width() / kColumns);
-  return drawImageMap(map, kMapWidth, true);
+  return drawImageMap(map, kWidth);
 }
 
-cv::Mat drawCoverage(const Recording& recording) {
-  if (!recording.learnt) return {};
+Sheet drawCoverage(const Recording& recording) {
   ImageMap map = mapOver(recording.final_report.camera, "observations in the queue", "a cell");
   map.values = gridOf(cellsOf(recording), [](const Cell& cell) {
     return cell.count > 0 ? static_cast<double>(cell.count) : kNone;
   });
-  map.smooth = false;
-  return drawImageMap(map, kMapWidth, true);
+  return drawImageMap(map, kWidth);
 }
 
-cv::Mat drawResidualDistribution(const Recording& recording) {
-  std::vector<double> whitened;
+Sheet drawResidualDistribution(const Recording& recording) {
+  std::vector<WhitenedResidual> whitened;
   double squares = 0.0;
   for (const QueueResidual& seen : residualsOf(recording)) {
-    whitened.push_back(seen.residual.x() / seen.sigma);
-    whitened.push_back(seen.residual.y() / seen.sigma);
+    const double expected = std::sqrt(seen.expected_square);
+    whitened.push_back({seen.residual.x() / seen.sigma, expected});
+    whitened.push_back({seen.residual.y() / seen.sigma, expected});
     squares += seen.residual.squaredNorm();
   }
-  if (whitened.empty()) return {};
-  const std::string note =
-      formatted("rms %.3f px an axis", std::sqrt(squares / static_cast<double>(whitened.size())));
-  return drawResidualHistogram(whitened, note, kMapWidth, 330, true);
+  const double count = std::max<double>(1.0, static_cast<double>(whitened.size()));
+  return drawResidualHistogram(
+      whitened, formatted("rms %.3f px an axis", std::sqrt(squares / count)), kWidth, 300);
 }
 
-cv::Mat drawTrajectory(const Recording& recording,
-                       const std::vector<StampedCameraPose>& ground_truth) {
+double residualRatio(const Recording& recording) {
+  double found = 0.0;
+  double expected = 0.0;
+  for (const QueueResidual& seen : residualsOf(recording)) {
+    found += seen.residual.squaredNorm() / (seen.sigma * seen.sigma);
+    expected += 2.0 * seen.expected_square;
+  }
+  return expected > 0.0 ? std::sqrt(found / expected) : 0.0;
+}
+
+Sheet drawResidualsByRadius(const Recording& recording) {
+  constexpr std::size_t kRings = 12;
+  const Camera& camera = recording.final_report.camera;
+  const Eigen::Vector2d centre = camera.parameters().segment<2>(2);
+  const double reach = std::hypot(std::max(centre.x(), camera.width() - centre.x()),
+                                  std::max(centre.y(), camera.height() - centre.y()));
+  std::vector<Ring> rings(kRings);
+  for (const QueueResidual& seen : residualsOf(recording)) {
+    const Eigen::Vector2d from_centre = seen.pixel - centre;
+    const double radius = from_centre.norm();
+    const auto index = static_cast<std::size_t>(radius / reach * kRings);
+    if (radius > 0.0 && index < kRings) {
+      rings[index].add(radius, seen.residual.dot(from_centre) / radius, seen.residual);
+    }
+  }
+  const Palette& colours = palette(Theme::kLight);
+  Curve rms{"rms an axis", colours.curve, false, {}, {}, {}};
+  Curve outwards{"mean, outwards, 3 sigma", kOrange, false, {}, {}, {}};
+  for (const Ring& ring : rings) {
+    if (ring.count < 10) continue;
+    rms.x.push_back(ring.radius / ring.count);
+    rms.y.push_back(std::sqrt(0.5 * ring.squares / ring.count));
+    outwards.x.push_back(rms.x.back());
+    outwards.y.push_back(ring.outwards / ring.count);
+    outwards.spread.push_back(3.0 * rms.y.back() / std::sqrt(ring.count));
+  }
+  LineChart chart;
+  chart.title = "residuals by distance from the centre [px]";
+  chart.curves = {rms, outwards};
+  return drawLineCharts({chart}, onePanel("distance [px]"));
+}
+
+Sheet drawResidualsOverTime(const Recording& recording, std::int64_t origin_ns) {
+  std::map<std::pair<std::int64_t, std::int64_t>, Ring> keyframes;  // by segment and stamp
+  for (const QueueResidual& seen : residualsOf(recording)) {
+    keyframes[{seen.sequence, seen.stamp_ns}].add(0.0, 0.0, seen.residual);
+  }
+  // One curve a segment; they may overlap, and a curve that went on to the next would mean nothing.
+  std::map<std::int64_t, Curve> segments;
+  for (const auto& [key, ring] : keyframes) {
+    Curve& curve = segments[key.first];
+    curve.colour = palette(Theme::kLight).curve;
+    curve.x.push_back(1e-9 * static_cast<double>(key.second - origin_ns));
+    curve.y.push_back(std::sqrt(0.5 * ring.squares / ring.count));
+  }
+  LineChart chart;
+  chart.title = "residuals by keyframe: rms an axis [px]";
+  for (auto& [sequence, curve] : segments) chart.curves.push_back(std::move(curve));
+  return drawLineCharts({chart}, onePanel("time [s]"));
+}
+
+Sheet drawTrajectory(const Recording& recording,
+                     const std::vector<StampedCameraPose>& ground_truth) {
   const std::vector<StampedCameraPose> own(recording.poses.begin(), recording.poses.end());
   const std::vector<StampedCameraPose> held(recording.reference_poses.begin(),
                                             recording.reference_poses.end());
-  if (own.empty()) return {};
-  const Colour blue(190, 100, 24), orange(20, 110, 226), black(60, 60, 60);
+  const Colour blue = palette(Theme::kLight).curve, black = palette(Theme::kLight).text;
   std::vector<PlanePath> paths;
   std::string unit = "map units";
   if (!ground_truth.empty()) {
     const GroundPlane plane(alignedTo(ground_truth, own));
     unit = "units of the ground truth";
     paths = {pathOf("self-calibrating", blue, alignedTo(ground_truth, own), plane),
-             pathOf("reference calibration", orange, alignedTo(ground_truth, held), plane),
+             pathOf("reference calibration", kOrange, alignedTo(ground_truth, held), plane),
              pathOf("ground truth", black, ground_truth, plane)};
     paths.back().width = 3.0;
   } else if (!held.empty()) {
     const GroundPlane plane(held);
     paths = {pathOf("self-calibrating", blue, alignedTo(held, own), plane),
-             pathOf("reference calibration", orange, held, plane)};
+             pathOf("reference calibration", kOrange, held, plane)};
   } else {
     paths = {pathOf("", blue, own, GroundPlane(own))};
   }
   paths.erase(std::remove_if(paths.begin(), paths.end(),
                              [](const PlanePath& path) { return path.points.empty(); }),
               paths.end());
-  return drawPaths(paths, "the camera's way from above", unit, 1000, 560, true);
+  return drawPaths(paths, "path of the camera from above", unit, kWidth, 330);
 }
 
 }  // namespace camera_self_calibration

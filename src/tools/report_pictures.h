@@ -1,29 +1,39 @@
 #pragma once
 
-#include <opencv2/core/mat.hpp>
+#include <cstdint>
 #include <vector>
 
+#include "camera_self_calibration/plotting/sheet.h"
 #include "camera_self_calibration/tools/recording.h"
 
 namespace camera_self_calibration {
 
-/// Pictures of report.html, at twice the size at which they are shown.
+/// Charts of report.html. Those of the queue are empty panels before hand-over.
 
-/// Expected error of a projection over the image.
-cv::Mat drawUncertainty(const Recording& recording);
+/// Expected error of a projection over the image; the recording must have an estimate.
+Sheet drawUncertainty(const Recording& recording);
 
 /// rms residual over the image, with the mean residual as arrows.
-cv::Mat drawResidualMap(const Recording& recording);
+Sheet drawResidualMap(const Recording& recording);
 
 /// How often the queue's observations cover each part of the image.
-cv::Mat drawCoverage(const Recording& recording);
+Sheet drawCoverage(const Recording& recording);
 
-/// The residuals' distribution.
-cv::Mat drawResidualDistribution(const Recording& recording);
+/// The distribution of residuals, beside the one that is expected.
+Sheet drawResidualDistribution(const Recording& recording);
 
-/// The way from above, that is, along the mean direction that points down in the images; beside it,
-/// aligned, the one with the reference calibration and the ground truth.
-cv::Mat drawTrajectory(const Recording& recording,
-                       const std::vector<StampedCameraPose>& ground_truth);
+/// rms of the residuals over what their sigmas lead to expect; 0 without any.
+double residualRatio(const Recording& recording);
+
+/// Residuals by distance from the principal point: their size, and their mean outwards.
+Sheet drawResidualsByRadius(const Recording& recording);
+
+/// Their size in each keyframe of the queue; `origin_ns` is 0 s of the axis.
+Sheet drawResidualsOverTime(const Recording& recording, std::int64_t origin_ns);
+
+/// The path from above, that is, along the mean direction that points down in the images; beside
+/// it, aligned, the one with the reference calibration and the ground truth.
+Sheet drawTrajectory(const Recording& recording,
+                     const std::vector<StampedCameraPose>& ground_truth);
 
 }  // namespace camera_self_calibration

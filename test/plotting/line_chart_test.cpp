@@ -43,11 +43,10 @@ LineChart someChart() {
 TEST(LineChart, DrawsItsCurvesAndTwiceAsManyPixelsIfFine) {
   LineChartSheet sheet;
   sheet.width = 500;
-  const cv::Mat image = drawLineCharts({someChart(), someChart(), someChart()}, sheet);
+  const cv::Mat image = drawLineCharts({someChart(), someChart(), someChart()}, sheet).image();
   EXPECT_EQ(image.cols, 500);
   EXPECT_GT(pixelsOf(image, kInk), 300);
-  sheet.fine = true;
-  const cv::Mat fine = drawLineCharts({someChart(), someChart(), someChart()}, sheet);
+  const cv::Mat fine = drawLineCharts({someChart(), someChart(), someChart()}, sheet).fineImage();
   EXPECT_EQ(fine.cols, 2 * image.cols);
   EXPECT_EQ(fine.rows, 2 * image.rows);
 }
@@ -55,39 +54,40 @@ TEST(LineChart, DrawsItsCurvesAndTwiceAsManyPixelsIfFine) {
 TEST(LineChart, WhatIsNotANumberLeavesAGap) {
   LineChart chart = someChart();
   LineChartSheet sheet;
-  const int whole = pixelsOf(drawLineCharts({chart}, sheet), kInk);
+  const int whole = pixelsOf(drawLineCharts({chart}, sheet).image(), kInk);
   for (double& y : chart.curves[0].y) y = NAN;
   // Only the legend is left.
-  EXPECT_LT(pixelsOf(drawLineCharts({chart}, sheet), kInk), whole / 4);
+  EXPECT_LT(pixelsOf(drawLineCharts({chart}, sheet).image(), kInk), whole / 4);
   chart.curves.clear();
-  EXPECT_FALSE(drawLineCharts({chart}, sheet).empty());
-  EXPECT_FALSE(drawLineCharts({}, sheet).empty());
+  EXPECT_FALSE(drawLineCharts({chart}, sheet).image().empty());
+  EXPECT_FALSE(drawLineCharts({}, sheet).image().empty());
 }
 
 TEST(LineChart, WildBeginningsAreCutOff) {
   LineChart chart = someChart();
   chart.curves[0].y[0] = 1e9;
-  EXPECT_GT(pixelsOf(drawLineCharts({chart}, LineChartSheet()), kInk), 300);
+  EXPECT_GT(pixelsOf(drawLineCharts({chart}, LineChartSheet()).image(), kInk), 300);
 }
 
 TEST(ImageMap, ColoursTheLargestValueAndLeavesNothingGrey) {
   ImageMap map;
   map.image_width = 640;
   map.image_height = 480;
-  map.smooth = false;
   map.values = Eigen::MatrixXd::Constant(3, 4, NAN);
   map.values(0, 0) = 2.0;
   map.values(2, 3) = 1.0;
-  const cv::Mat image = drawImageMap(map, 400);
+  const cv::Mat image = drawImageMap(map, 400).image();
   ASSERT_EQ(image.cols, 400);
   EXPECT_TRUE(near(image.at<cv::Vec3b>(60, 50), errorColour(1.0)));
   EXPECT_TRUE(near(image.at<cv::Vec3b>(270, 350), errorColour(0.5)));
-  EXPECT_TRUE(near(image.at<cv::Vec3b>(60, 350), Colour(236, 232, 230)));
+  EXPECT_TRUE(near(image.at<cv::Vec3b>(60, 350), palette(Theme::kLight).grid));
 }
 
 TEST(Histogram, ToleratesNothingAndFarValues) {
-  EXPECT_FALSE(drawResidualHistogram({}, "", 400, 300).empty());
-  EXPECT_EQ(drawResidualHistogram({0.0, 100.0, -1e9, NAN}, "", 400, 300).cols, 400);
+  EXPECT_FALSE(drawResidualHistogram({}, "", 400, 300).image().empty());
+  const std::vector<WhitenedResidual> residuals = {
+      {0.0, 1.0}, {100.0, 0.0}, {-1e9, 1.0}, {NAN, 1.0}};
+  EXPECT_EQ(drawResidualHistogram(residuals, "", 400, 300).image().cols, 400);
 }
 
 TEST(Paths, AreDrawnWithEqualScales) {
@@ -95,7 +95,7 @@ TEST(Paths, AreDrawnWithEqualScales) {
   path.colour = kInk;
   for (int i = 0; i <= 100; ++i)
     path.points.emplace_back(std::cos(0.0628 * i), std::sin(0.0628 * i));
-  const cv::Mat image = drawPaths({path}, "circle", "m", 700, 400);
+  const cv::Mat image = drawPaths({path}, "circle", "m", 700, 400).image();
   int left = image.cols, right = 0, top = image.rows, bottom = 0;
   for (int y = 50; y < image.rows - 45; ++y) {
     for (int x = 60; x < image.cols - 20; ++x) {
@@ -130,7 +130,7 @@ TEST(Teachings, ASegmentTeachesWhatOnlyItKnows) {
   EXPECT_NEAR(taught[0].values[0], std::sqrt(3.0 / 2.0) - 1.0, 1e-6);
   EXPECT_NEAR(taught[1].values[2], std::sqrt(102.0 / 2.0) - 1.0, 1e-6);
   EXPECT_GT(taught[1].image, taught[0].image);
-  EXPECT_FALSE(drawTeachings(taught, camera.parameterNames(), 20.0, 600).empty());
+  EXPECT_FALSE(drawTeachings(taught, camera.parameterNames(), 20.0, 600).image().empty());
   queue.resize(1);
   EXPECT_TRUE(std::isinf(teachings(queue, camera, 0)[0].image));
 }

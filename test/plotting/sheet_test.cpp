@@ -57,6 +57,36 @@ TEST(Sheet, TextStandsWhereItIsAnchored) {
   EXPECT_EQ(cv::mean(image.colRange(0, int(95 - width)))[0], 255.0);
 }
 
+TEST(Sheet, ItsSvgHoldsTheSameShapes) {
+  const Palette& light = palette(Theme::kLight);
+  Sheet sheet(60, 40, light.background);
+  sheet.fill({10, 10, 5, 5}, light.panel);
+  sheet.curve({{-1e9, 20.0}, {30.0, 20.126}}, kRed, 2.0, {20, 10, 20, 20}, true);
+  sheet.text("a < b & c", {5.0, 30.0}, 7.2, light.text, Align::kRight, true);
+  EXPECT_EQ(sheet.svg("what \"it\" is"),
+            "<svg viewBox=\"0 0 60 40\" role=\"img\" aria-label=\"what &quot;it&quot; is\">"
+            "<rect x=\"10\" y=\"10\" width=\"5\" height=\"5\" style=\"fill:var(--panel)\"/>"
+            "<svg x=\"20\" y=\"10\" width=\"20\" height=\"20\" viewBox=\"20 10 20 20\">"
+            "<polyline points=\"-100000,20 30,20.13\" style=\"fill:none;stroke:rgb(255,0,0)\" "
+            "stroke-width=\"2\" stroke-dasharray=\"5\"/></svg>"
+            "<text x=\"5\" y=\"30\" font-size=\"10\" style=\"fill:var(--text)\" "
+            "text-anchor=\"end\" font-weight=\"bold\">a &lt; b &amp; c</text></svg>");
+}
+
+TEST(Sheet, ATransparentFillMixesWithWhatIsBelow) {
+  Sheet sheet(60, 40, kWhite);
+  sheet.fill({10, 10, 5, 5}, kRed, 0.4);
+  EXPECT_EQ(at(sheet, 12, 12), cv::Vec3b(153, 153, 255));
+  EXPECT_NE(sheet.svg("").find("fill-opacity=\"0.4\""), std::string::npos);
+}
+
+TEST(Palette, TheStyleSheetNamesEveryColourOfATheme) {
+  const std::string light = paletteCss(Theme::kLight);
+  EXPECT_NE(light.find("--background:rgb(255,255,255);"), std::string::npos) << light;
+  EXPECT_NE(light.find("--faint-text:"), std::string::npos) << light;
+  EXPECT_NE(light, paletteCss(Theme::kDark));
+}
+
 TEST(Palette, ScoresDifferInLightness) {
   double last = 256.0;
   for (const double share : {0.0, 0.25, 0.5, 0.75, 1.0}) {

@@ -178,7 +178,7 @@ TEST(CalibrateBag, AuditsACalibration) {
 
 // But for the two values of summary.json that may differ.
 std::string withoutTimes(const std::string& text) {
-  const std::regex times("\"(processing_seconds|frames_per_second)\": [^,]*");
+  const std::regex times("\"(processing_seconds|frames_per_second)\": [^,]*|<p id=\"run\">.*");
   return std::regex_replace(text, times, "");
 }
 
@@ -301,19 +301,38 @@ TEST(CalibrateBag, TheTrajectoryIsComparedWithTheReferenceAndTheTruth) {
 TEST(CalibrateBag, TheReportStandsByItself) {
   const std::string page = contents(compared().folder / "out/report.html");
   EXPECT_GT(page.size(), 200000u);
-  for (const char* part : {"CONVERGED", "Parameters", "Where the calibration can be trusted",
-                           "Convergence", "What taught what", "Residuals", "Trajectory",
-                           "Against the reference calibration", "Events"}) {
+  for (const char* part :
+       {"Camera calibration: room.bag", "CONVERGED", "Why this verdict", "Parameters",
+        "Calibration to copy", "distortion_model: equidistant", "An example image",
+        "Where the calibration can be trusted", "Convergence", "Which seconds informed the result",
+        "Residuals", "Comparison of lens models", "Trajectory", "Against the reference calibration",
+        "Events"}) {
     EXPECT_NE(page.find(part), std::string::npos) << part;
   }
   EXPECT_EQ(page.find("http"), std::string::npos) << "nothing is fetched";
   EXPECT_EQ(page.find("<script"), std::string::npos);
-  std::size_t pictures = 0;
-  for (std::size_t at = page.find("<img"); at != std::string::npos;
-       at = page.find("<img", at + 1)) {
-    ++pictures;
+  const auto count = [&](const std::string& tag) {
+    std::size_t found = 0;
+    for (std::size_t at = page.find(tag); at != std::string::npos; at = page.find(tag, at + 1)) {
+      ++found;
+    }
+    return found;
+  };
+  EXPECT_GE(count("<figure><svg"), 12u);
+  EXPECT_EQ(count("<figure><img"), 2u) << "an image with its tracks, and undistorted";
+  EXPECT_EQ(count("<svg"), count("</svg>"));
+}
+
+TEST(CalibrateBag, TheReportNamesTheRun) {
+  const std::string page = contents(compared().folder / "out/report.html");
+  for (const std::string& part :
+       {converged().folder / "room.bag", std::string("/camera/image_raw/compressed"),
+        std::string("--batch --reference-calibration "), std::string("<p id=\"run\">Run on 20"),
+        std::string("\u00b0 horizontal")}) {
+    EXPECT_NE(page.find(part), std::string::npos) << part;
   }
-  EXPECT_GE(pictures, 8u);
+  EXPECT_EQ(page.find("--out"), std::string::npos) << "has no influence on the result";
+  EXPECT_NE(contents(converged().out("report.html")).find("--model fov<"), std::string::npos);
 }
 
 TEST(CalibrateBag, AStillCameraDoesNotConverge) {

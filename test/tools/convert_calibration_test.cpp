@@ -135,7 +135,7 @@ TEST_F(Conversion, ComparesAcrossFormatsAndDraws) {
       compare(fov + " " + (folder / "other.yaml") + " --limit 0.5 --out " + picture);
   EXPECT_EQ(other.exit_code, 2) << other.output;
   EXPECT_TRUE(mentions(other, "B - A"));
-  EXPECT_EQ(cv::imread(picture).cols, 760);
+  EXPECT_EQ(cv::imread(picture).cols, 1000);
 }
 
 TEST_F(Conversion, DifferentSizesAreNotCompared) {

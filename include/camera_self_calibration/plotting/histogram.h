@@ -1,15 +1,22 @@
 #pragma once
 
-#include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/plotting/sheet.h"
+
 namespace camera_self_calibration {
 
-/// Residuals over their sigmas as bars between -5 and 5, beside the normal distribution that they
-/// would have if the sigmas were right; `note` stands above, at the right. BGR, 8 bits; `fine`:
-/// twice as many pixels.
-cv::Mat drawResidualHistogram(const std::vector<double>& whitened, const std::string& note,
-                              int width, int height, bool fine = false);
+/// A residual over its sigma, and the standard deviation that this should have.
+struct WhitenedResidual {
+  double value = 0.0;
+  double expected = 1.0;
+};
+
+/// The values as bars between -5 and 5, beside the density that they would have if the sigmas were
+/// right: the mean of the normal densities of the expected standard deviations. `note` stands
+/// above, at the right.
+Sheet drawResidualHistogram(const std::vector<WhitenedResidual>& residuals, const std::string& note,
+                            int width, int height);
 
 }  // namespace camera_self_calibration

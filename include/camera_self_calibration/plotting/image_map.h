@@ -1,9 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
+
+#include "camera_self_calibration/plotting/sheet.h"
 
 namespace camera_self_calibration {
 
@@ -23,10 +24,9 @@ struct ImageMap {
   std::vector<Arrow> arrows;
   double arrow_scale = 1.0;
   std::vector<Eigen::Vector2d> crosses;  ///< Pixels marked with a small cross.
-  bool smooth = true;                    ///< Between the values; false: one cell a value.
 };
 
-/// The map, `width` wide, with its scale of colours; `fine`: twice as many pixels. BGR, 8 bits.
-cv::Mat drawImageMap(const ImageMap& map, int width, bool fine = false);
+/// The map, `width` wide, one cell a value, with its scale of colours.
+Sheet drawImageMap(const ImageMap& map, int width);
 
 }  // namespace camera_self_calibration

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <opencv2/core/mat.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "camera_self_calibration/plotting/palette.h"
+#include "camera_self_calibration/plotting/sheet.h"
 
 namespace camera_self_calibration {
 
@@ -36,11 +35,10 @@ struct LineChartSheet {
   int columns = 2;
   int width = 1000;        ///< [px]
   int panel_height = 150;  ///< [px]
-  bool fine = false;       ///< Twice as many pixels.
   double quantile = 0.85;  ///< Of the values fits into the panels: the wild beginning is cut off.
 };
 
-/// Panels in columns below a title and the legend of the first panel's curves. BGR, 8 bits.
-cv::Mat drawLineCharts(const std::vector<LineChart>& charts, const LineChartSheet& sheet);
+/// Panels in columns below a title and the legend of the first panel's curves.
+Sheet drawLineCharts(const std::vector<LineChart>& charts, const LineChartSheet& sheet);
 
 }  // namespace camera_self_calibration

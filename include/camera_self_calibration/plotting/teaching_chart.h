@@ -1,9 +1,9 @@
 #pragma once
 
-#include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/plotting/sheet.h"
 #include "camera_self_calibration/queue/candidate_window.h"
 
 namespace camera_self_calibration {
@@ -31,9 +31,8 @@ std::vector<SegmentTeaching> teachings(const std::vector<Candidate>& queue, cons
                                        std::int64_t origin_ns);
 
 /// Which seconds taught what: one row a parameter, below a row for the image, over time; the darker
-/// the more. BGR, 8 bits; `fine`: twice as many pixels.
-cv::Mat drawTeachings(const std::vector<SegmentTeaching>& segments,
-                      const std::vector<std::string>& names, double duration_s, int width,
-                      bool fine = false);
+/// the more.
+Sheet drawTeachings(const std::vector<SegmentTeaching>& segments,
+                    const std::vector<std::string>& names, double duration_s, int width);
 
 }  // namespace camera_self_calibration

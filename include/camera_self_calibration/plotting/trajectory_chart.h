@@ -1,11 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <opencv2/core/mat.hpp>
 #include <string>
 #include <vector>
 
-#include "camera_self_calibration/plotting/palette.h"
+#include "camera_self_calibration/plotting/sheet.h"
 
 namespace camera_self_calibration {
 
@@ -17,9 +16,8 @@ struct PlanePath {
   std::vector<Eigen::Vector2d> points;  ///< One that is not finite interrupts the line.
 };
 
-/// The paths in one frame, with equal scales on both axes; the first path's ends are marked. BGR, 8
-/// bits; `fine`: twice as many pixels.
-cv::Mat drawPaths(const std::vector<PlanePath>& paths, const std::string& title,
-                  const std::string& unit, int width, int height, bool fine = false);
+/// The paths in one frame, with equal scales on both axes; the first path's ends are marked.
+Sheet drawPaths(const std::vector<PlanePath>& paths, const std::string& title,
+                const std::string& unit, int width, int height);
 
 }  // namespace camera_self_calibration

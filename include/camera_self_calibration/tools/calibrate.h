@@ -16,7 +16,8 @@ struct CalibrateExtras {
   std::optional<Camera> reference;  ///< Held in a second run, whose poses are recorded.
   std::optional<Camera> audited;    ///< Held against what the video says; of any image size.
   AuditOptions audit;
-  bool batch = false;  ///< Whole-trajectory batch at intervals, queues of other sizes.
+  bool example = false;  ///< Keep an image with its tracks.
+  bool batch = false;    ///< Whole-trajectory batch at intervals, queues of other sizes.
   /// Asked before each image; the run ends where it says true. May be empty.
   std::function<bool()> stop;
 };

@@ -22,6 +22,7 @@ struct CalibrateBagArguments {
   CalibrateExtras extras;
   std::vector<StampedCameraPose> ground_truth;  ///< Empty: none was given.
   bool report = false;                          ///< report.html goes into the folder.
+  std::string given;  ///< The options that bear on the result, as they were given.
 };
 
 /// Nothing if only help was asked for, which is printed. Throws std::runtime_error on wrong

@@ -12,6 +12,7 @@
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/reference/trajectory_comparison.h"
 #include "camera_self_calibration/tools/batch_comparison.h"
+#include "camera_self_calibration/tools/example_image.h"
 
 namespace camera_self_calibration {
 
@@ -37,6 +38,8 @@ struct Recording {
   CalibrationReport final_report;  ///< After the last image.
   /// The queue at the end, which the final report rests on; null before hand-over.
   std::shared_ptr<const LearntState> learnt;
+
+  std::optional<ExampleImage> example;  ///< If asked for.
 
   std::optional<Camera> audited;     ///< A calibration in question, if given,
   std::optional<AuditReport> audit;  ///< and what the video says of it at the end.

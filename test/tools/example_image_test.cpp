@@ -1,0 +1,82 @@
+#include "camera_self_calibration/tools/example_image.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/core.hpp>
+
+namespace camera_self_calibration {
+namespace {
+
+Camera camera(CameraModel model, const Intrinsics& parameters) {
+  return Camera(model, 640, 480, parameters);
+}
+
+const Camera kPinhole =
+    camera(CameraModel::kPinhole, (Intrinsics(4) << 320.0, 320.0, 319.5, 239.5).finished());
+
+TEST(FieldOfView, OfAPinholeIsThatOfItsFocalLength) {
+  const FieldOfView field = fieldOfView(kPinhole);
+  const double degrees = 360.0 / M_PI;
+  EXPECT_NEAR(field.horizontal, degrees * std::atan(319.5 / 320.0), 1e-9);
+  EXPECT_NEAR(field.vertical, degrees * std::atan(239.5 / 320.0), 1e-9);
+  EXPECT_NEAR(field.diagonal, degrees * std::atan(std::hypot(319.5, 239.5) / 320.0), 1e-9);
+}
+
+TEST(FieldOfView, MayBeWiderThanAHalfSpace) {
+  const Camera fisheye = camera(CameraModel::kEquidistant,
+                                (Intrinsics(8) << 180, 180, 319.5, 239.5, 0, 0, 0, 0).finished());
+  EXPECT_NEAR(fieldOfView(fisheye).horizontal, 360.0 / M_PI * 319.5 / 180.0, 1e-6);
+}
+
+TEST(FieldOfView, IsUnknownWhereTheBorderHasNoRay) {
+  const Camera folded =
+      camera(CameraModel::kRadtan, (Intrinsics(8) << 300, 300, 320, 240, -0.5, 0, 0, 0).finished());
+  EXPECT_TRUE(std::isnan(fieldOfView(folded).diagonal));
+}
+
+TEST(Undistorted, APinholeImageStaysAsItIs) {
+  cv::Mat gray(480, 640, CV_8UC1);
+  cv::randu(gray, 0, 255);
+  const cv::Mat result = undistorted(gray, kPinhole);
+  ASSERT_EQ(result.size(), gray.size());
+  EXPECT_LT(cv::norm(result, gray, cv::NORM_L1) / 640.0 / 480.0, 1.0);
+}
+
+TEST(Undistorted, WhatTheLensDidNotSeeIsBlack) {
+  const Camera fov =
+      camera(CameraModel::kFov, (Intrinsics(5) << 320, 320, 319.5, 239.5, 1.0).finished());
+  const cv::Mat result = undistorted(cv::Mat(480, 640, CV_8UC1, cv::Scalar(200)), fov);
+  EXPECT_EQ(result.at<std::uint8_t>(240, 320), 200);
+  EXPECT_EQ(result.at<std::uint8_t>(0, 320), 0);
+  EXPECT_TRUE(undistorted(cv::Mat(), fov).empty());
+}
+
+TEST(ExampleFinder, KeepsTheImageWithMostTracksOfThePresentLens) {
+  ExampleFinder finder;
+  const std::vector<std::uint8_t> pixels(64, 7);
+  const auto add = [&](std::int64_t stamp_ns, int tracks, std::uint64_t epoch) {
+    ImageView image;
+    image.data = pixels.data();
+    image.width = image.height = image.stride = 8;
+    image.stamp_ns = stamp_ns;
+    FrameResult frame;
+    for (int i = 0; i < tracks; ++i) {
+      frame.tracks.tracks.emplace_back();
+      frame.tracks.tracks.back().id = i;
+    }
+    finder.add(image, frame, epoch);
+  };
+  add(1, 0, 0);
+  EXPECT_TRUE(finder.found().gray.empty());
+  add(2, 5, 0);
+  add(3, 4, 0);
+  EXPECT_EQ(finder.found().stamp_ns, 2);
+  add(4, 3, 1);
+  EXPECT_EQ(finder.found().stamp_ns, 4) << "the lens changed";
+  EXPECT_EQ(finder.found().trails.trails().size(), 3u);
+  EXPECT_EQ(finder.found().gray.at<std::uint8_t>(3, 3), 7);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
