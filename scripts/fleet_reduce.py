@@ -54,7 +54,7 @@ def reduce(fleet):
     states = [str(fleet.path("states", id, "state")) for id, o in outcomes.items()
               if o.kind == "state"]
     if not states:
-        print("fleet: no bag told anything, so there is nothing to merge", file=sys.stderr)
+        print("fleet: no bag has a result, so there is nothing to merge", file=sys.stderr)
         return NOTHING
     result = fleet.folder / "result"
     names = fleet.folder / "states.txt"

@@ -1,7 +1,7 @@
 """One bag of a fleet, and what is known of all: the files in the folder of --out.
 
 manifest.json          rows and options
-states/ID.state        what the bag taught
+states/ID.state        what was learnt from the bag
 outcomes/ID.json       how it ended; no such file: not finished
 logs/ID.log            what calibrate_bag said
 """
@@ -46,7 +46,7 @@ def write_atomically(path, text):
 
 @dataclasses.dataclass
 class Outcome:
-    """How a bag ended. kind: state (the file is there), nothing (it told too little) or failed."""
+    """How a bag ended. kind: state (the file is there), nothing (it was not informative enough) or failed."""
     kind: str
     reason: str = ""
     wall_s: float = 0.0
@@ -166,7 +166,7 @@ class Fleet:
         if code < 0:
             return Outcome("failed", f"crashed: {signal.Signals(-code).name}")
         if code in (CONVERGED, NOT_CONVERGED):
-            return Outcome("state") if has_state else Outcome("nothing", "it did not tell the lens")
+            return Outcome("state") if has_state else Outcome("nothing", "it did not determine the lens")
         if code == NO_IMAGES:
             return Outcome("nothing", last)
         return Outcome("failed", last or f"exit code {code}")

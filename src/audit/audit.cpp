@@ -105,7 +105,7 @@ std::string beyondMost(const Camera& calibration, const Evidence& evidence,
       formatted("beyond %.0f px from the centre, where few features are, ", radius_px);
   return place + (distance.refused > kNegligibleRim
                       ? formatted("%.0f %% of the features have no ray", 100.0 * distance.refused)
-                      : formatted("it is %.1f px rms off", distance.px()));
+                      : formatted("it is off by %.1f px rms", distance.px()));
 }
 
 void findCause(const Camera& calibration, const Evidence& evidence, const ImageWeights& inner,
@@ -163,15 +163,15 @@ AuditReport figuresOf(const EstimateDistance& distance, const AuditOptions& opti
 void explainDoubt(const Evidence& evidence, const LensFitReport& fit, AuditReport* report) {
   const double max_sigma_px = kMaxSigma * report->tolerance_px;
   if (!(report->sigma_px <= max_sigma_px)) {
-    report->reason = formatted(
-        "the video tells the lens to %.2f px only where features are, and %.2f px are needed",
-        report->sigma_px, max_sigma_px);
+    report->reason =
+        formatted("the video determines the lens to %.2f px where features are (needed: %.2f px)",
+                  report->sigma_px, max_sigma_px);
   } else {
-    report->reason = "it is at the limit of what is tolerable";
+    report->reason = "the distance is too close to the tolerance";
   }
   if (evidence.misfit_px > max_sigma_px) {
-    report->hint = "no motion would, since " + fit.better + " describes the lens better than " +
-                   fit.model + ": choose it, or auto";
+    report->hint = "no motion would help, since " + fit.better + " fits the lens better than " +
+                   fit.model + ": choose that model, or auto";
     return;
   }
   const auto information = covarianceFromInformation(evidence.covariance);
@@ -181,14 +181,13 @@ void explainDoubt(const Evidence& evidence, const LensFitReport& fit, AuditRepor
 AuditReport nothingKnown(const CalibrationReport& live, const AuditOptions& options) {
   AuditReport report;
   report.tolerance_px = options.tolerance_px;
-  report.reason = "the video has not told the lens yet";
-  report.hint =
-      live.hint.empty() ? "move the camera about and turn it about several axes" : live.hint;
+  report.reason = "the video has not determined the lens yet";
+  report.hint = live.hint.empty() ? "move the camera and turn it about several axes" : live.hint;
   return report;
 }
 
 std::string offText(const AuditReport& report) {
-  return formatted("%.2f +- %.2f px rms off where features are (tolerance %.2f px, ",
+  return formatted("off by %.2f +- %.2f px rms where features are (tolerance %.2f px, ",
                    report.distance_px, report.sigma_px, report.tolerance_px) +
          chanceText(report.p_value) + ")";
 }
@@ -254,7 +253,7 @@ std::string AuditReport::sentence() const {
   }
   if (!where.empty()) text += "; off most " + where;
   text += since_ns ? formatted("; since %.3f s", 1e-9 * static_cast<double>(*since_ns))
-                   : std::string("; all along");
+                   : std::string("; from the beginning of the video");
   return text + "; likely cause: " + cause_sentence;
 }
 

@@ -134,7 +134,7 @@ std::optional<CauseFound> ofResolution(const Camera& calibration, const Camera& 
     const Camera camera = scaled(calibration, estimate, factor);
     if (!judge.nearlyFits(camera)) continue;
     return CauseFound{LikelyCause::kResolution,
-                      formatted("another resolution or binning: K has to be that of images %g "
+                      formatted("another resolution or binning: K should be that of images %g "
                                 "times as large",
                                 factor)};
   }
@@ -181,7 +181,7 @@ std::optional<CauseFound> ofFreeValues(const Camera& calibration, const Judge& j
   if (fits(focal)) {
     return CauseFound{
         LikelyCause::kFocalLength,
-        focalText(calibration, focal) + ": focus or zoom changed, or it never was right"};
+        focalText(calibration, focal) + ": focus or zoom has changed, or the file was never right"};
   }
   const Camera centre = fitted(calibration, samples, centreColumns(calibration));
   if (fits(centre)) {
@@ -251,7 +251,7 @@ CauseFound likelyCause(const Camera& calibration, const Camera& estimate,
   if (auto found = ofFreeValues(start, judge)) return *found;
   if (auto found = ofDistortion(start, judge)) return *found;
   if (auto found = ofMissingDistortion(start, judge)) return *found;
-  return {LikelyCause::kUnknown, "none of the usual ones: another camera's file, or another lens"};
+  return {LikelyCause::kUnknown, "unknown; perhaps another camera's file, or another lens"};
 }
 
 }  // namespace camera_self_calibration

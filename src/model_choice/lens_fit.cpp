@@ -67,12 +67,12 @@ bool LensFitReport::describesImage() const { return undescribed <= kNegligibleRi
 
 std::string LensFitReport::sentence() const {
   if (!compared) return "";
-  if (better.empty()) return "the lens is described by " + model;
+  if (better.empty()) return "no richer lens model fits better than " + model;
   std::string text = model;
-  text += describesImage()
-              ? formatted(" is %.1f px rms off, %.1f px at worst", misfit.rms, misfit.max)
-              : formatted(" has no ray for %.0f %% of the image", 100.0 * undescribed);
-  return text + ": " + better + " describes it";
+  text += describesImage() ? formatted(" misses the lens by %.1f px rms, %.1f px at worst",
+                                       misfit.rms, misfit.max)
+                           : formatted(" has no ray for %.0f %% of the image", 100.0 * undescribed);
+  return text + "; " + better + " fits it";
 }
 
 std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool verdict_due,

@@ -178,11 +178,11 @@ std::string ModelChoice::sentence() const {
   }
   if (chosen == nullptr) return "";
   const std::string text = "lens model " + chosen->model;
-  if (next == nullptr) return text + ": no richer model would describe the lens better";
+  if (next == nullptr) return text + ": no richer model fits the video better";
   return text +
-         formatted(", %.1f nats %s the next best, ", std::abs(next->behind),
-                   next->behind < 0.0 ? "behind" : "ahead of") +
-         next->model;
+         formatted(" (log-likelihood %.1f %s that of the next best, ", std::abs(next->behind),
+                   next->behind < 0.0 ? "below" : "above") +
+         next->model + ")";
 }
 
 }  // namespace camera_self_calibration

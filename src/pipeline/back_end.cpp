@@ -78,10 +78,10 @@ void BackEnd::followTheBetter() {
 
 CandidateOutcome BackEnd::considerCandidate(const KeyframeMessage& message) {
   if (!isInformed(state_.phase)) {
-    return {false, "not considered: all keyframes together tell nothing yet"};
+    return {false, "not considered: all keyframes together do not determine the lens yet"};
   }
   if (state_.watch.straddlesChange(message.candidate)) {
-    return {false, "discarded: it straddles the change of the lens"};
+    return {false, "discarded: it contains the change of the lens"};
   }
   if (const auto skipped = canSkipSolve(message)) return *skipped;
   const Candidate candidate =
@@ -119,7 +119,7 @@ std::optional<CandidateOutcome> BackEnd::canSkipSolve(const KeyframeMessage& mes
       state_.watch.clearlySame(message, outlook, state_.queue, state_.phase == Phase::kHandedOver);
   if (!p_value) return std::nullopt;
   state_.change_p_value = *p_value;
-  return CandidateOutcome{false, decision.reason + " (at best: it was not solved)"};
+  return CandidateOutcome{false, decision.reason + " (by its best possible score; not solved)"};
 }
 
 CandidateOutcome BackEnd::offer(const Candidate& candidate) {
@@ -132,7 +132,7 @@ CandidateOutcome BackEnd::followDrift(const ChangeVerdict& verdict) {
   state_.known.camera = verdict.camera;  // where the estimate starts
   adoptChange(state_.queue.exchange(verdict.stale, verdict.recent, queueStart()));
   return {false, verdict.reason + ": " + std::to_string(verdict.stale.size()) +
-                     " segments that describe its past were retired"};
+                     " segments from earlier were removed"};
 }
 
 // A drifting lens is another one at each keyframe, whether the queue changes or not.
@@ -206,9 +206,10 @@ void BackEnd::considerHandover() {
   advance(PhaseTrigger::kQueueReady);
   adoptSolution();
   raise(EventType::kHandover,
-        formatted("the calibration now rests on several segments of video (the queue), good to "
-                  "%.2f px rms (limit %.2f px)",
-                  state_.uncertainty().rms, limits.pixel_rms));
+        formatted(
+            "startup has ended: the calibration now rests on a queue of video segments, good to "
+            "%.2f px rms (limit %.2f px)",
+            state_.uncertainty().rms, limits.pixel_rms));
 }
 
 // Windows that overlap replace one another, so that a short video, or slow motion, seldom leaves

@@ -21,7 +21,7 @@ std::string sentenceOf(const BackEndState& state) {
   const LensDrift& drift = state.queue.solution().drift;
   if (!drift.told) return sentence;
   return sentence +
-         formatted("; the focal length drifts by some %.2g %% a minute", 100.0 * drift.rate);
+         formatted("; the focal length drifts by about %.2g %% per minute", 100.0 * drift.rate);
 }
 
 SegmentReport reportOf(const Candidate& candidate) {

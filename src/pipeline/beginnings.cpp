@@ -18,7 +18,7 @@ StartupOptions startupOptions(const Options& options) {
 }
 
 std::string describe(const Event& event) {
-  return formatted(": by %.2f px rms over the image, noticed after %.1f s", event.magnitude_px,
+  return formatted(" by %.2f px rms over the image; detected after %.1f s", event.magnitude_px,
                    1e-9 * static_cast<double>(event.stamp_ns - event.onset_stamp_ns));
 }
 
@@ -120,7 +120,7 @@ CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
   adoptStartup(startupUncertainty(state_.startup, state_.field));
   adoptChange(state_.queue.offer(verdict.recent, queueStart()));
   changed_ = true;
-  return {false, "the queue of the lens before the change was archived"};
+  return {false, "the queue from before the change was archived"};
 }
 
 // As it was before the change, for a setting that returns.

@@ -27,13 +27,13 @@ void CheckedBackEnd::beginAgain(const Beginning& beginning) {
 
 BackEndOutput CheckedBackEnd::process(const KeyframeMessage& message, bool frozen) {
   if (frozen) {
-    BackEndOutput output = main_.hold(message, "; frozen: nothing is learnt");
+    BackEndOutput output = main_.hold(message, "; frozen: the calibration is not updated");
     output.report.frozen = true;
     return output;
   }
   if (!fresh_) return main_.process(message);
   if (first_stamp_ns_ == 0) first_stamp_ns_ = message.candidate.endNs();
-  BackEndOutput output = main_.hold(message, "; restored, being checked against new images");
+  BackEndOutput output = main_.hold(message, "; restored, and being checked against new images");
   check(message, &output);
   return output;
 }
@@ -78,7 +78,7 @@ void CheckedBackEnd::discardRestored(const Recheck& recheck, BackEndOutput fresh
   *output = std::move(fresh);
   Event event{EventType::kCalibrationChange, output->report.stamp_ns, first_stamp_ns_,
               "the restored calibration does not belong to this lens: " + recheck.sentence +
-                  "; it is set aside and learning begins anew"};
+                  "; it is set aside, and calibration starts again"};
   event.epoch = output->report.epoch;
   event.magnitude_px = recheck.distance_px;
   output->events.insert(output->events.begin(), event);

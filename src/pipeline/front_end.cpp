@@ -195,12 +195,13 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
   if (state_ == TrackingState::kTracking) state_ = TrackingState::kLost;
   ++frames_without_pose_;
   const int tracks = static_cast<int>(frame.tracks.size());
-  output->result.sentence = tracks < kMinTracks
-                                ? "only " + std::to_string(tracks) +
-                                      " features could be followed; " + std::to_string(kMinTracks) +
-                                      " are needed: slow down, or show the camera some texture"
-                                : "no pose agrees with the " + std::to_string(tracks) +
-                                      " features: slow down, or look at what does not move";
+  output->result.sentence =
+      tracks < kMinTracks
+          ? "only " + std::to_string(tracks) + " features could be tracked; " +
+                std::to_string(kMinTracks) +
+                " are needed. Move more slowly, or show the camera more texture"
+          : "no pose agrees with the " + std::to_string(tracks) +
+                " features. Move more slowly, or look at something that stands still";
   if (frames_without_pose_ < kFramesUntilLost) return;
   const bool was_tracked = map_tracked_;
   resetMap();
@@ -244,9 +245,10 @@ void FrontEnd::seekOlderMap(const TrackedFrame& whole, const Describe& describe,
   output->result.pose_covariance.topRows<3>() *= relocation->old_from_new.scale;
   output->result.pose_covariance.leftCols<3>() *= relocation->old_from_new.scale;
   output->events.push_back({EventType::kRelocalized, whole.stamp_ns, whole.stamp_ns,
-                            "the place is known: poses are in map " + std::to_string(map_id_) +
-                                " again, no longer in map " + std::to_string(left) + " (" +
-                                std::to_string(relocation->seen) + " features agree)"});
+                            "the camera recognised a place of an earlier map: poses are in map " +
+                                std::to_string(map_id_) + " again, no longer in map " +
+                                std::to_string(left) + " (" + std::to_string(relocation->seen) +
+                                " features agree)"});
 }
 
 void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected,

@@ -14,21 +14,20 @@ std::string doubtOf(const SegmentQueue& queue, const QueueStanding& standing, do
   const std::size_t segments = queue.candidates().size();
   const Scatter& scatter = queue.solution().scatter;
   if (segments < 2 || !queue.solution().usable) {
-    return "two separate segments of video are not there yet";
+    return "two segments of video that do not overlap are needed";
   }
   if (segments < 3 && scatter.inflationFreedom() > 0) {
-    return "the two separate segments disagree: a third has to tell which is right";
+    return "the first two segments disagree; a third will decide";
   }
   if (standing.contradicts_startup) {
     return formatted(
-        "the separate segments and all keyframes together give lenses that are %.1f px rms apart, "
-        "more than %.0f times their uncertainty",
+        "the segments and the startup batch disagree by %.1f px rms, more than %.0f times their "
+        "uncertainty",
         distance_px, kMaxStartupDistance);
   }
   if (scatter.inflation() > kMaxInflation) {
-    return formatted(
-        "the segments disagree by %.1f times their uncertainty, at most %.1f is believed",
-        scatter.inflation(), kMaxInflation);
+    return formatted("the segments disagree by %.1f times their uncertainty (accepted: up to %.1f)",
+                     scatter.inflation(), kMaxInflation);
   }
   return "";
 }
@@ -71,9 +70,8 @@ std::string shortfall(const QueueStanding& standing, const QueueSolution& soluti
       entropy(solution.camera, solution.covariance) < limits.entropy) {
     return "";
   }
-  return formatted(
-      "the segments of video together are good to %.2f px rms, less than %.2f px is needed",
-      standing.uncertainty.rms, limits.pixel_rms);
+  return formatted("the segments of video together are good to %.2f px rms (needed: %.2f px)",
+                   standing.uncertainty.rms, limits.pixel_rms);
 }
 
 }  // namespace camera_self_calibration

@@ -78,11 +78,11 @@ std::string settable(const std::string& model) {
 }
 
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
-  std::string sentence =
-      evidence.epoch > 0 ? "the lens changed: learning it anew" : "learning the lens from nothing";
+  std::string sentence = evidence.epoch > 0 ? "the lens changed and is being calibrated anew"
+                                            : "the calibration has started from a guess";
   if (evidence.has_estimate) {
-    sentence += "; so far " + goodTo(evidence) +
-                formatted(" (hand-over below %.2f px)", 2.0 * evidence.threshold_px);
+    sentence += "; so far it is " + goodTo(evidence) +
+                formatted(" (startup ends below %.2f px)", 2.0 * evidence.threshold_px);
   }
   // Also where so many keyframes have no solution yet.
   if (evidence.has_estimate || evidence.keyframes >= kKeyframesToJudge) {
@@ -105,25 +105,25 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
   if (evidence.handed_over && !evidence.better_model.empty()) {
     return {CalibrationState::kConverging,
             "the calibration is only " + goodTo(evidence) + limit(evidence) +
-                ", because the lens model does not describe the lens",
+                ", because the lens model does not fit the lens",
             "set the parameter model to " + settable(evidence.better_model)};
   }
   const WeakDirection weak = weakest(evidence, camera);
   if (evidence.handed_over) {
     return {CalibrationState::kConverging,
             "the calibration is " + goodTo(evidence) +
-                formatted(", %.2f px are wanted", evidence.threshold_px) +
+                formatted(" (needed: %.2f px)", evidence.threshold_px) +
                 "; least known: " + weak.name,
             weak.hint};
   }
   if (evidence.keyframes < 2) {
-    return {CalibrationState::kWaitingForMotion,
-            "the camera has not moved enough to learn anything from it", "move the camera"};
+    return {CalibrationState::kWaitingForMotion, "the camera has not moved enough yet",
+            "move the camera"};
   }
   if (evidence.keyframes >= kKeyframesToJudge && isUnobserved(evidence, camera)) {
     return {CalibrationState::kDegenerate,
-            "the motion so far does not tell the intrinsics; least known: " + weak.name +
-                ", kept as last known",
+            "the motion so far does not determine the intrinsics; least known: " + weak.name +
+                ", which keeps its last value",
             weak.hint};
   }
   return stillLearning(evidence, weak);

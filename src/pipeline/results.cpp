@@ -40,12 +40,12 @@ std::string describe(const ShutterReport& shutter) {
   const double readout_ms = 1e3 * shutter.readout_s;
   const double sigma_ms = 1e3 * shutter.sigma_s;
   if (sigma_ms == 0.0) {
-    return formatted("%s, %.3f ms from the first row to the last (given)",
-                     shutter.rolls ? "rolling" : "global", readout_ms);
+    return formatted("%s, readout time %.3f ms (given)", shutter.rolls ? "rolling" : "global",
+                     readout_ms);
   }
-  if (!std::isfinite(sigma_ms)) return "taken for global, nothing is known yet";
-  return formatted("%s %.3f ms from the first row to the last, sigma %.3f",
-                   shutter.rolls ? "rolling," : "global:", readout_ms, sigma_ms);
+  if (!std::isfinite(sigma_ms)) return "assumed global; not estimated yet";
+  return formatted("%s, readout time %.3f ms, sigma %.3f ms", shutter.rolls ? "rolling" : "global",
+                   readout_ms, sigma_ms);
 }
 
 }  // namespace camera_self_calibration

@@ -16,20 +16,20 @@ namespace {
 std::string illPosed(const CandidateOptions& options, const Candidate& candidate) {
   const int landmarks = static_cast<int>(candidate.segment.landmarks.size());
   if (landmarks < options.min_landmarks) {
-    return formatted("only %d landmarks fit, %d are needed", landmarks, options.min_landmarks);
+    return formatted("only %d landmarks fit (needed: %d)", landmarks, options.min_landmarks);
   }
   if (candidate.residual_scale > options.max_residual_scale) {
-    return formatted("residuals are %.1f times the tracker's sigma, at most %.1f are believed",
+    return formatted("residuals are %.1f times the tracker's sigma (accepted: up to %.1f)",
                      candidate.residual_scale, options.max_residual_scale);
   }
   const double smallest = scaledEigenvalues(candidate.information)(0);
   if (!(smallest > options.min_scaled_eigenvalue)) {
-    return formatted("the intrinsics are not observable (scaled eigenvalue %.1e, %.1e is needed)",
+    return formatted("the intrinsics are not observable (scaled eigenvalue %.1e, needed: %.1e)",
                      smallest, options.min_scaled_eigenvalue);
   }
   const double limit = options.max_pixel_uncertainty_share * candidate.camera.width();
   if (!(candidate.uncertainty.rms < limit)) {
-    return formatted("the intrinsics are too uncertain (%.1f px rms, below %.1f is needed)",
+    return formatted("the intrinsics are too uncertain (%.1f px rms, needed: %.1f)",
                      candidate.uncertainty.rms, limit);
   }
   if (!std::isfinite(candidate.entropy)) return "the covariance is not positive definite";
@@ -45,7 +45,7 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
   candidate.segment = segment;
   candidate.camera = start;
   if (static_cast<int>(segment.keyframes.size()) < options.min_keyframes) {
-    candidate.reason = formatted("%d keyframes, %d are needed",
+    candidate.reason = formatted("%d keyframes (needed: %d)",
                                  static_cast<int>(segment.keyframes.size()), options.min_keyframes);
     return candidate;
   }
@@ -71,8 +71,9 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
   candidate.reason = illPosed(options, candidate);
   const double remaining = fit.marginal.remainingStep() / candidate.sigma_scale;
   if (candidate.reason.empty() && !(remaining < options.max_remaining_step)) {
-    candidate.reason = formatted("the solution has not settled (%.1f sigma to go, at most %.1f)",
-                                 remaining, options.max_remaining_step);
+    candidate.reason =
+        formatted("the solution has not converged (last step %.1f sigma, accepted: up to %.1f)",
+                  remaining, options.max_remaining_step);
   }
   candidate.well_posed = candidate.reason.empty();
   return candidate;

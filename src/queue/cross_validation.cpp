@@ -75,10 +75,10 @@ double CrossValidation::inflation() const {
 
 std::string CrossValidation::sentence() const {
   if (!compared) return "";
-  return formatted(agrees()
-                       ? "two halves of the video agree: %.2f px rms apart, %.2f px expected"
-                       : "two halves of the video disagree: %.2f px rms apart, %.2f px expected",
-                   difference_px, expected_px);
+  return formatted(
+      agrees() ? "two halves of the video agree (difference %.2f px rms, expected %.2f px)"
+               : "two halves of the video disagree (difference %.2f px rms, expected %.2f px)",
+      difference_px, expected_px);
 }
 
 CrossValidation crossValidate(const QueueSolution& solution, const ImageField& field) {

@@ -30,7 +30,7 @@ double jointScore(ScoreKind kind, const IntrinsicsMatrix& information, const Cam
 std::string compare(ScoreKind kind, bool accepted, double candidate, const char* with,
                     double limit) {
   const bool pixel = kind == ScoreKind::kPixel;
-  return formatted("%s: %s %.*f against %.*f needed to beat %s", accepted ? "accepted" : "refused",
+  return formatted("%s: %s %.*f (needed: %.*f, to replace %s)", accepted ? "accepted" : "refused",
                    pixel ? "pixel error [px]" : "entropy", pixel ? 4 : 2,
                    pixel ? std::exp(candidate) : candidate, pixel ? 4 : 2,
                    pixel ? std::exp(limit) : limit, with);
@@ -87,7 +87,7 @@ QueueDecision QueuePolicy::consider(const SegmentScore& candidate,
   }
   if (overlapping.empty() && static_cast<int>(segments.size()) < capacity_) {
     decision.accepted = true;
-    decision.reason = "accepted: the queue has room and it overlaps no segment";
+    decision.reason = "accepted: the queue has room, and no segment overlaps";
     return decision;
   }
   const Rival rival = overlapping.empty() ? worstRival(kind_, segments)

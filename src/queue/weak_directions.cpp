@@ -20,14 +20,15 @@ const char* const kAnyHint =
     "turn the camera about several axes (pan, tilt and roll) while moving it, with near and far "
     "objects in view";
 const char* const kFocalHint =
-    "turn the camera about several axes (pan, tilt and roll); moving it without turning it does "
-    "not tell the focal length";
+    "turn the camera about several axes (pan, tilt and roll): translation alone does not determine "
+    "the focal length";
 const char* const kHorizontalHint = "pan left and right, or roll about the viewing direction";
 const char* const kVerticalHint = "tilt up and down, or roll about the viewing direction";
 const char* const kCentreHint =
-    "roll about the viewing direction while panning and tilting, also upside down or on its side";
+    "roll about the viewing direction while panning and tilting, also with the camera upside down "
+    "or on its side";
 const char* const kDistortionHint =
-    "turn the camera so that things move right across the image, into its corners";
+    "turn the camera so that features cross the image into its corners";
 
 enum Group { kFocal, kCentre, kDistortion };
 

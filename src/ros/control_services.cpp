@@ -12,7 +12,7 @@
 namespace camera_self_calibration {
 namespace {
 
-const char* const kNoImage = "no image has come yet: there is nothing to work on";
+const char* const kNoImage = "no image has arrived yet";
 
 /// Empty, or why there is a file that is not to be lost.
 std::string whyNotReplaced(const std::string& report_file) {
@@ -119,7 +119,8 @@ bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
   }
   if (!problem.empty()) ROS_WARN_STREAM(node_.getNamespace() << ": " << problem);
   answer(done,
-         done ? "everything learnt is forgotten; learning begins with the next image. Saved files "
+         done ? "everything learnt is discarded; calibration starts again with the next image. "
+                "Saved files "
                 "stay until the calibration is CONVERGED again" +
                     (problem.empty() ? "" : ". " + problem)
               : kNoImage,
@@ -195,11 +196,11 @@ bool ControlServices::freeze(std_srvs::SetBool::Request& request,
   if (!running) {
     answer(false, kNoImage, &response);
   } else if (!done) {
-    answer(false, "there is no calibration to keep yet: it is still being learnt from nothing",
-           &response);
+    answer(false, "there is no calibration to keep yet", &response);
   } else {
     answer(true,
-           request.data ? "the calibration is kept as it is; tracking goes on" : "learning goes on",
+           request.data ? "the calibration is kept as it is; tracking goes on"
+                        : "the calibration is updated again",
            &response);
   }
   return true;
@@ -233,8 +234,9 @@ bool ControlServices::setCameraInfo(sensor_msgs::SetCameraInfo::Request& request
   targets_.store->beginAnew();
   const CalibrationStore::Outcome saving = targets_.store->saveGiven(options_.pipeline.model, info);
   if (targets_.saved && targets_.store->hasFile()) targets_.saved(saving);
-  response.status_message = "The calibration is valid at once, and learning begins anew from it. " +
-                            asSentence(saving.message);
+  response.status_message =
+      "The calibration is in use at once, and the images refine it from now on. " +
+      asSentence(saving.message);
   return true;
 }
 

@@ -21,9 +21,10 @@ bool isOfTracking(EventType type) {
 std::string meaningOf(EventType type) {
   switch (type) {
     case EventType::kHandover:
-      return " (HANDOVER: the start is over, and from now on only what teaches something is kept.)";
+      return " (HANDOVER: startup is over. From now on only the most informative segments are "
+             "kept.)";
     case EventType::kConverged:
-      return " (CONVERGED: the calibration is good enough for use and goes out.)";
+      return " (CONVERGED: the calibration is good enough for use, and camera_info is published.)";
     case EventType::kCalibrationChange:
       return " (CALIBRATION_CHANGE: the lens was bumped, refocused or zoomed.)";
     case EventType::kRelocalized:
@@ -151,8 +152,7 @@ void Diagnostics::tracking(Status& status) {
   status.add("losses", losses_);
   addEvent(tracking_event_, &status);
   if (silence() > kSilence) {
-    status.summaryf(DiagnosticStatus::WARN, "No image for %.0f s, so that no pose is known.",
-                    silence());
+    status.summaryf(DiagnosticStatus::WARN, "No image for %.0f s: the pose is unknown.", silence());
     return;
   }
   const bool tracking = frame_.state == TrackingState::kTracking;
@@ -201,12 +201,12 @@ void Diagnostics::addCameraInfo(Status* status) const {
   status->add("camera_info conversion error max [px]", info.error.max);
   if (info.inherited) {
     status->mergeSummary(DiagnosticStatus::OK,
-                         "camera_info goes out, rescaled from the former image size.");
+                         "camera_info is the calibration of the former image size, rescaled.");
   }
   if (info.given) {
     status->mergeSummary(DiagnosticStatus::OK,
-                         "camera_info goes out as set_camera_info brought it, until the images "
-                         "have confirmed or replaced it.");
+                         "camera_info is the one from set_camera_info, until the images "
+                         "confirm or replace it.");
   }
   if (info.last_good) {
     status->mergeSummary(DiagnosticStatus::WARN,
@@ -230,11 +230,10 @@ void Diagnostics::queue(Status& status) {
   if (!queue.last_decision.empty()) {
     last = " The newest segment: " + asSentence(queue.last_decision);
     const bool scored = queue.last_decision.find("entropy") != std::string::npos;
-    if (scored) last += " (The lower its entropy, the more a segment tells of the lens.)";
+    if (scored) last += " (The lower its entropy, the more informative a segment is.)";
   }
   if (segments == 0) {
-    status.summary(DiagnosticStatus::OK,
-                   "No segment of video has told enough of the lens yet." + last);
+    status.summary(DiagnosticStatus::OK, "No segment of video is informative enough yet." + last);
   } else {
     status.summary(DiagnosticStatus::OK, "The calibration rests on " + std::to_string(segments) +
                                              (segments == 1 ? " segment" : " segments") +

@@ -35,7 +35,7 @@ CommitOutcome commitToDriver(const ros::NodeHandle& node, const std::string& ser
   const auto& response = call.response;
   const std::string words = response.status_message.empty() ? "" : ": " + response.status_message;
   if (!response.success) return {false, "the driver refused the calibration" + words};
-  return {true, "the driver took the calibration over" + words};
+  return {true, "the driver accepted the calibration" + words};
 }
 
 std::string driverService(const std::string& image_topic) {

@@ -56,7 +56,7 @@ InputVerdict InputMonitor::checkSize(const ImageView& view) {
   const std::string change = "the image size changed from " + sizeText(width_, height_) + " to " +
                              sizeText(view.width, view.height);
   if (new_size_images_ < kSizePatience) {
-    return reject(change + "; if it stays so, it is calibrated anew");
+    return reject(change + "; if it stays so, calibration starts again");
   }
   counts_.last_problem = change;
   ++counts_.size_changes;
@@ -79,7 +79,7 @@ InputVerdict InputMonitor::checkTime(std::int64_t stamp_ns) {
     ++counts_.jumps;
     clock_.clear();
     counts_.last_problem = "the clock jumped back by " + secondsText(-step_ns) +
-                           "; tracking begins anew, the calibration is kept";
+                           "; a new map begins, and the calibration is kept";
     return InputVerdict::kRestart;
   }
   const FrameClock::Step step = clock_.add(step_ns);

@@ -18,12 +18,13 @@ void StorageStatus::summarize(diagnostic_updater::DiagnosticStatusWrapper* statu
     status->summary(saving_->success ? DiagnosticStatus::OK : DiagnosticStatus::ERROR,
                     asSentence(saving_->message));
   } else if (keeps_) {
-    status->summary(DiagnosticStatus::OK,
-                    "Nothing has been saved yet: that begins when the calibration is CONVERGED.");
+    status->summary(
+        DiagnosticStatus::OK,
+        "Nothing has been saved yet: the first save is when the calibration has CONVERGED.");
   } else {
     status->summary(DiagnosticStatus::OK,
-                    "Nothing is kept: the next start learns anew. Set ~camera_info_url or "
-                    "~state_file to keep what is learnt.");
+                    "Nothing is saved: the next start calibrates again. Set ~camera_info_url or "
+                    "~state_file to keep the calibration.");
   }
   if (!problems_.empty()) status->mergeSummary(DiagnosticStatus::WARN, problems_);
 }

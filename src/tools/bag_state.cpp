@@ -52,7 +52,7 @@ std::shared_ptr<const LearntState> finishedState(const std::string& path, const 
   const std::vector<BagRecord>& bags = decoded.state->bags;
   if (bags.size() != 1 || bags[0].bag != bag || bags[0].camera != camera) {
     refuse(path, bags.empty() ? "it was learnt live"
-                              : "it holds what " + bags[0].bag + " told of the camera '" +
+                              : "it holds what " + bags[0].bag + " contributes for the camera '" +
                                     bags[0].camera + "'");
   }
   return decoded.state;

@@ -73,7 +73,7 @@ void writeState(const CalibrateBagArguments& arguments, const std::string& camer
   const auto state = stateOfBag(recording, arguments.source.path, camera);
   if (state) return writeState(arguments.state_out, *state);
   std::cerr << "calibrate_bag: " << arguments.state_out << " is not written: "
-            << (recording.complete ? "the bag did not tell the lens" : kPartial) << '\n';
+            << (recording.complete ? "the bag did not determine the lens" : kPartial) << '\n';
 }
 
 int run(const CalibrateBagArguments& arguments) {
@@ -83,8 +83,8 @@ int run(const CalibrateBagArguments& arguments) {
     const auto done = finishedState(arguments.state_out, arguments.source.path, camera);
     // A state has no verdict on a calibration: an audit runs the bag again.
     if (done && !arguments.extras.audited) {
-      std::cout << arguments.state_out << " holds what this bag told of the camera '" << camera
-                << "' already: " << toString(done->state) << '\n';
+      std::cout << arguments.state_out << " already holds the result of this bag for the camera '"
+                << camera << "': " << toString(done->state) << '\n';
       return exitCode(done->state);
     }
   }

@@ -40,11 +40,11 @@ po::options_description description(CalibrateBagArguments* arguments) {
     ("out", po::value(&arguments->out),
      "folder for the results; made if it is missing. Without it only a table is printed")
     ("state-out", po::value(&arguments->state_out),
-     "file for all that was learnt: for merge_calibrations, or as ~state_file. Where it holds "
-     "what this bag told of this camera already, nothing is done")
+     "file for the learnt state: for merge_calibrations, or as ~state_file. If it holds "
+     "the result of this bag for this camera already, nothing is done")
     ("camera", po::value(&arguments->camera),
      "name of the camera in the file of --state-out; default: the topic")
-    ("overwrite", po::bool_switch(&arguments->overwrite), "do it again all the same")
+    ("overwrite", po::bool_switch(&arguments->overwrite), "run again, and replace the file of --state-out")
     ("initial", po::value<std::string>(),
      "start values: a ROS calibration (YAML) or a YAML with model, width, height, params")
     ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video (default: its own times) [Hz]")
@@ -59,11 +59,11 @@ po::options_description description(CalibrateBagArguments* arguments) {
      "a known calibration (file as --initial): run a second time with it held and compare")
     ("audit", po::value<std::string>(),
      "a calibration (any format that convert_calibration reads): is it still right? GOOD, WRONG with "
-     "the likely cause, or CANNOT TELL with the motion that would")
+     "the likely cause, or CANNOT TELL with a motion that would decide")
     ("audit-camera", po::value<std::string>(), "which camera of the --audit file, if there are several")
     ("audit-tolerance", po::value(&arguments->extras.audit.tolerance_px)->default_value(
          arguments->extras.audit.tolerance_px),
-     "what the --audit calibration may be off where features are [px rms]")
+     "tolerated error of the --audit calibration where features are [px rms]")
     ("ground-truth", po::value<std::string>(),
      "poses of the camera (TUM format: t tx ty tz qx qy qz qw): report ATE and RPE")
     ("max-features", po::value(&options.tracker.max_features)->default_value(

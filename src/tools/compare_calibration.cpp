@@ -17,7 +17,7 @@ namespace {
 namespace po = boost::program_options;
 
 constexpr const char* kUsage =
-    "Tells how far two calibrations of one camera are apart, in pixels over the image, whatever\n"
+    "Prints the distance of two calibrations of one camera, in pixels over the image, whatever\n"
     "their models and formats. What a rotation of the camera explains does not count.\n"
     "\n"
     "  compare_calibration A B [--out PICTURE.png] [options]\n"
@@ -77,7 +77,8 @@ int run(const Arguments& arguments) {
     throw std::runtime_error("no pixel of A can be seen by B");
   }
   std::cout << comparisonText(a, b, difference);
-  if (!arguments.out.empty() && !cv::imwrite(arguments.out, drawDifference(a, difference).fineImage())) {
+  if (!arguments.out.empty() &&
+      !cv::imwrite(arguments.out, drawDifference(a, difference).fineImage())) {
     throw std::runtime_error("the picture cannot be written to " + arguments.out);
   }
   return difference.error.rms > arguments.limit_px ? 2 : 0;

@@ -43,7 +43,7 @@ po::options_description description(Arguments* arguments) {
     ("in", po::value(&arguments->in), "file to read")
     ("out", po::value(&arguments->out), "file to write; an existing one is replaced")
     ("to", po::value(&arguments->to), "format of OUT")
-    ("from", po::value(&arguments->from), "format of IN; default: told from what stands in it")
+    ("from", po::value(&arguments->from), "format of IN; default: detected from its contents")
     ("camera", po::value(&arguments->camera),
      "which camera of a file with several: cam0, cam1, ... (kalibr), the id (colmap), 1 or 2 (opencv), "
      "Camera1 or Camera2 (orbslam3)")

@@ -204,7 +204,7 @@ void refuseToReplaceBags(const std::vector<CameraHistory>& histories, const std:
       if (states.count(fs::weakly_canonical(file)) == 0 || !isOwnState(file)) continue;
       throw std::runtime_error("the result for the camera '" + history.name + "' would replace " +
                                file.string() +
-                               ", which holds what one bag told: give another folder to --out");
+                               ", which holds the result of one bag: give another folder to --out");
     }
   }
 }

@@ -68,8 +68,8 @@ void addHead(const std::vector<CameraResult>& cameras, const std::vector<std::st
                 std::to_string(steady) + " of " + std::to_string(cameras.size()) +
                     " cameras have had one lens in all their bags, known well enough.");
   page->figures({{std::to_string(cameras.size()), "cameras"},
-                 {std::to_string(bags), "bags that told a lens"},
-                 {std::to_string(problems.size()), "that told nothing"},
+                 {std::to_string(bags), "bags with a result"},
+                 {std::to_string(problems.size()), "bags without a result"},
                  {std::to_string(countOf(cameras, CameraVerdict::kChanged)), "changed"},
                  {std::to_string(countOf(cameras, CameraVerdict::kOutlier)), "outliers"},
                  {std::to_string(countOf(cameras, CameraVerdict::kVague)), "vague"},
@@ -208,7 +208,7 @@ void addSiblings(const std::vector<const CameraResult*>& cameras, HtmlPage* page
   if (rows.size() > 1) {
     page->table(rows);
   } else {
-    page->paragraph("No type has three cameras, and of two it cannot be told which is off.");
+    page->paragraph("No type has three cameras. Of two that differ, either may be off.");
   }
 }
 
@@ -246,7 +246,7 @@ void addBags(const std::vector<const CameraResult*>& cameras, HtmlPage* page) {
     for (std::size_t i = 0; i < std::min(most, bags.size()); ++i) rows.push_back(rowOf(bags[i]));
     page->table(rows);
   };
-  page->section("Bags that taught most", "The calibrations rest on segments of " +
+  page->section("Most informative bags", "The calibrations rest on segments of " +
                                              std::to_string(best.size()) + " bags." +
                                              inAll(kBestBags, best.size(), "bags.csv"));
   table(best, kBestBags);
@@ -260,7 +260,7 @@ void addBags(const std::vector<const CameraResult*>& cameras, HtmlPage* page) {
 
 void addProblems(const std::vector<std::string>& problems, HtmlPage* page) {
   if (problems.empty()) return;
-  page->section("What told nothing", inAll(kRows, problems.size(), "the output"));
+  page->section("Bags without a result", inAll(kRows, problems.size(), "the output"));
   std::vector<Row> rows = {{"bag or file, and why"}};
   for (std::size_t i = 0; i < std::min(kRows, problems.size()); ++i) rows.push_back({problems[i]});
   page->table(rows);

@@ -15,7 +15,7 @@ constexpr std::int64_t kClockWasSet = 1000000000;  // [s]
 
 std::string qualityOf(const CameraResult& camera) {
   const EpochResult& present = camera.present();
-  if (!present.solved) return "no bag tells this lens";
+  if (!present.solved) return "no bag determines this lens";
   std::string text = present.solution.health.sentence;
   if (!present.solution.health.hint.empty()) text += ": " + present.solution.health.hint;
   return text;

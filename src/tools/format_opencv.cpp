@@ -50,7 +50,7 @@ std::pair<int, int> sizeOf(const OpenCvStorage& storage) {
   throw std::runtime_error(
       "'image_width' and 'image_height' are missing; add them to the file, since they are not to "
       "be "
-      "told from the rest");
+      "distinguished from the rest");
 }
 
 }  // namespace

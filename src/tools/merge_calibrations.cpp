@@ -47,14 +47,14 @@ po::options_description description(Arguments* arguments) {
   all.add_options()
     ("help,h", "this text")
     ("states", po::value(&arguments->inputs)->multitoken(), "state files, and folders of them")
-    ("list", po::value(&arguments->list), "text file, a state file a line: for very many")
+    ("list", po::value(&arguments->list), "text file with one state file per line: for very many")
     ("out", po::value(&arguments->out), "folder for the results; made if it is missing")
     ("queue-segments", po::value(&arguments->merge.queue_segments)->default_value(
          arguments->merge.queue_segments), "segments of a merged queue")
     ("false-changes", po::value(&arguments->level)->default_value(arguments->level, "0.01"),
      "probability of reporting any change at all in a fleet without one, and of any outlier")
     ("failures", po::value(&arguments->failures),
-     "text file, a line a bag that told nothing: for the report")
+     "text file with one line for each bag without a result: for the report")
     ("threads", po::value(&arguments->threads)->default_value(
          static_cast<int>(std::max(1u, std::thread::hardware_concurrency()))),
      "cameras at a time; the result is the same");

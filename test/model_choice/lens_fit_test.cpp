@@ -31,7 +31,8 @@ TEST(LensFit, ATrueModelFits) {
     EXPECT_EQ(report.better, "") << report.sentence();
     EXPECT_EQ(report.misfit.rms, 0.0);
     EXPECT_TRUE(report.describesImage());
-    EXPECT_EQ(report.sentence(), "the lens is described by " + toString(truth.model()));
+    EXPECT_EQ(report.sentence(),
+              "no richer lens model fits better than " + toString(truth.model()));
   }
 }
 
@@ -44,8 +45,9 @@ TEST(LensFit, FindsTheDistortionThatAPinholeLacks) {
   const PixelError noise = pixelUncertainty(queue.solution().camera, queue.solution().covariance);
   EXPECT_GT(error.rms, 3.0 * noise.rms);  // what the noise alone states is a lie
   EXPECT_LT(error.rms, 3.0 * noise.inQuadrature(report.misfit).rms);
-  EXPECT_NE(report.sentence().find("pinhole is "), std::string::npos) << report.sentence();
-  EXPECT_NE(report.sentence().find(report.better + " describes it"), std::string::npos);
+  EXPECT_NE(report.sentence().find("pinhole misses the lens by "), std::string::npos)
+      << report.sentence();
+  EXPECT_NE(report.sentence().find(report.better + " fits it"), std::string::npos);
 }
 
 TEST(LensFit, FindsAWideLensThatRadtanCannotDescribe) {
@@ -61,7 +63,7 @@ TEST(LensFit, SaysWhereTheImageHasNoRays) {
   report.better = "equidistant";
   report.misfit = {15.5, 50.0};
   report.undescribed = 0.1;
-  EXPECT_EQ(report.sentence(), "radtan has no ray for 10 % of the image: equidistant describes it");
+  EXPECT_EQ(report.sentence(), "radtan has no ray for 10 % of the image; equidistant fits it");
 }
 
 TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {

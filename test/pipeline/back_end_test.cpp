@@ -89,7 +89,7 @@ TEST(BackEnd, LearnsFromNothingToHandover) {
   ASSERT_TRUE(watched.runUntil(Phase::kHandedOver, 300));
   EXPECT_TRUE(watched.transitions.count({Phase::kNothingKnown, Phase::kStartupLeads}));
   EXPECT_EQ(watched.outputs.front().report.queue.last_decision,
-            "not considered: all keyframes together tell nothing yet");
+            "not considered: all keyframes together do not determine the lens yet");
   EXPECT_LT(pixelDistance(lens(), watched.back_end.state().known.camera).rms, 2.0);
   // Nothing but a change of the lens leads out of it.
   watched.run.run(60);
@@ -125,7 +125,7 @@ TEST(BackEnd, BeforeHandoverTheBetterLeads) {
   ASSERT_TRUE(watched.runUntil(Phase::kQueueLeads, 100));
   watched.run.run(60);
   EXPECT_TRUE(isStarting(watched.back_end.state().phase));
-  EXPECT_NE(watched.report().sentence.find("is needed"), std::string::npos)
+  EXPECT_NE(watched.report().sentence.find("(needed: "), std::string::npos)
       << watched.report().sentence;
   EXPECT_EQ(watched.report().state, CalibrationState::kInitializing);
   EXPECT_LT(pixelDistance(lens(), watched.back_end.state().known.camera).rms, 2.0);

@@ -77,7 +77,7 @@ TEST(Health, IsNotConvergedUnderAModelThatDoesNotFit) {
   for (const bool was_converged : {false, true}) {
     const HealthVerdict verdict = judgeHealth(misfit, kCamera, was_converged);
     EXPECT_EQ(verdict.state, CalibrationState::kConverging);
-    EXPECT_NE(verdict.sentence.find("does not describe the lens"), std::string::npos);
+    EXPECT_NE(verdict.sentence.find("does not fit the lens"), std::string::npos);
     EXPECT_NE(verdict.hint.find("radtan"), std::string::npos) << verdict.hint;
   }
   misfit.better_model = "radtan with k3";

@@ -42,7 +42,7 @@ TEST(FactoryCalibration, CannotTellBeforeTheLensIsKnown) {
   factory.update(report);
   EXPECT_TRUE(factory.audit().usable);
   EXPECT_EQ(factory.audit().audit.verdict, AuditVerdict::kCannotTell);
-  EXPECT_TRUE(says(factory, "CANNOT_TELL: The video has not told the lens yet."));
+  EXPECT_TRUE(says(factory, "CANNOT_TELL: The video has not determined the lens yet."));
 }
 
 TEST(FactoryCalibration, IsAuditedByTheLiveOne) {

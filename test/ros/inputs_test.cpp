@@ -95,7 +95,8 @@ TEST_F(Inputs, FactoryStartResolutionChangeAndSilence) {
   const Camera start = cameraOf(*calibration_.messages.front());
   EXPECT_EQ(start.model(), CameraModel::kFov);
   EXPECT_LT(pixelDistance(factory, start).rms, 0.5) << "the factory's, fitted by the model";
-  EXPECT_TRUE(diagnosed("selfcal: factory calibration", "0 CANNOT_TELL: The video has not told the lens yet"));
+  EXPECT_TRUE(diagnosed("selfcal: factory calibration",
+                        "0 CANNOT_TELL: The video has not determined the lens yet"));
 
   // The driver switches to binning; a single odd image on the way does not matter.
   sensor_msgs::CameraInfo binned = toCameraInfo(factory)->info;

@@ -134,10 +134,10 @@ std::unique_ptr<Robot> KeepRun::robot_;
 
 TEST_F(KeepRun, BeforeTheFirstImageServicesSayThatThereIsNothing) {
   for (const char* name : {"reset", "reset_tracking", "save", "commit", "dump_report"}) {
-    expectSays(trigger(std::string("/selfcal/") + name), false, "no image has come");
+    expectSays(trigger(std::string("/selfcal/") + name), false, "no image has arrived");
   }
-  expectSays(freeze(true), false, "no image has come");
-  expectSays(setScale(2.0), false, "no image has come");
+  expectSays(freeze(true), false, "no image has arrived");
+  expectSays(setScale(2.0), false, "no image has arrived");
 }
 
 TEST_F(KeepRun, BeforeConvergenceTheySayWhy) {
@@ -204,7 +204,7 @@ TEST_F(KeepRun, FreezesAndScales) {
   EXPECT_EQ(robot_->calibration.messages.back()->revision, revision);
   EXPECT_TRUE(robot_->calibration.messages.back()->frozen);
   EXPECT_EQ(robot_->calibration.messages.back()->calibration_state, Calibration::CONVERGED);
-  expectSays(freeze(false), true, "learning goes on");
+  expectSays(freeze(false), true, "is updated again");
   expectSays(trigger("/selfcal/reset_tracking"), true, "new map");
   ASSERT_TRUE(robot_->step());
   EXPECT_EQ(robot_->status.messages.back()->map_id, map_id + 2);
@@ -278,7 +278,7 @@ TEST_F(KeepRun, BeginsAnewOnRequest) {
   info.distortion_model = robot_->camera_info.messages.back()->distortion_model;
   info.width = 320;
   info.K[0] += 0.25;
-  expectSays(setCameraInfo(info), true, "valid at once");
+  expectSays(setCameraInfo(info), true, "in use at once");
   ASSERT_TRUE(robot_->step());
   EXPECT_EQ(robot_->camera_info.messages.back()->K, info.K);
   EXPECT_NE(readFile(calibrationPath()).bytes.find(YAML::Dump(YAML::Node(info.K[0]))),
@@ -288,7 +288,7 @@ TEST_F(KeepRun, BeginsAnewOnRequest) {
   const Calibration start = *robot_->calibration.messages.back();
   EXPECT_NE(start.calibration_state, Calibration::CONVERGED);
   EXPECT_NEAR(start.values[0], kOtherLens.parameters()(0), 5.0);
-  expectSays(trigger("/selfcal/reset"), true, "forgotten");
+  expectSays(trigger("/selfcal/reset"), true, "discarded");
   ASSERT_TRUE(robot_->stepUntil(
       [&] { return robot_->calibration.messages.back()->values[0] == 160.0; }, 5));
   ASSERT_TRUE(robot_->step());

@@ -71,7 +71,8 @@ TEST(Messages, CalibrationHasASigmaForEachValue) {
   report.cross_validation = {true, 0.4, 0.5, 0.3};
   report.observed = {0.8, {0.2, 0.3}, "the upper left corner was never seen", nullptr};
   Calibration message = toCalibration(report, TrackingState::kTracking, "Follows.");
-  EXPECT_EQ(message.lens_fit, "pinhole is 5.0 px rms off, 12.0 px at worst: radtan describes it");
+  EXPECT_EQ(message.lens_fit,
+            "pinhole misses the lens by 5.0 px rms, 12.0 px at worst; radtan fits it");
   EXPECT_EQ(message.better_model, "radtan");
   EXPECT_EQ(message.misfit_rms, 5.0);
   EXPECT_EQ(message.misfit_max, 12.0);

@@ -63,7 +63,7 @@ class Storage : public testing::Test {
 TEST_F(Storage, WhereNothingIsKeptDiagnosticsSayThat) {
   StorageStatus storage("bare");
   ASSERT_TRUE(loadNodelet("/bare", kTopic));
-  EXPECT_TRUE(storage.says(DiagnosticStatus::OK, "Nothing is kept")) << storage.newest().message;
+  EXPECT_TRUE(storage.says(DiagnosticStatus::OK, "Nothing is saved")) << storage.newest().message;
   ASSERT_TRUE(unloadNodelet("/bare"));
 }
 

@@ -451,7 +451,7 @@ TEST(CalibrateBag, AFinishedStateIsNotLearntTwiceNorWrittenOver) {
   EXPECT_FALSE(mentions(second, "parameter")) << "nothing is computed";
   const Outcome other = calibrateBag(bag + " --camera rear --state-out " + state);
   EXPECT_EQ(other.exit_code, 1);
-  EXPECT_TRUE(mentions(other, "told of the camera 'front'")) << other.output;
+  EXPECT_TRUE(mentions(other, "contributes for the camera 'front'")) << other.output;
   EXPECT_EQ(contents(state), bytes);
   EXPECT_EQ(calibrateBag(again + " --overwrite").exit_code, 0);
   EXPECT_EQ(contents(state), bytes) << "the same input, the same state";

@@ -74,7 +74,7 @@ class FleetTest(unittest.TestCase):
         self.assertEqual(self.merged(), 3)
         failures = (self.folder / "out/failures.txt").read_text()
         for words in ("failed: crashed: SIGSEGV", "nothing: no images",
-                      "it did not tell the lens", "damaged.bag is damaged"):
+                      "it did not determine the lens", "damaged.bag is damaged"):
             self.assertIn(words, failures)
         self.assertEqual(self.calls().count("crash"), 2, "tried twice")
         self.assertEqual(self.calls().count("empty"), 1)
@@ -90,7 +90,7 @@ class FleetTest(unittest.TestCase):
     def test_no_state_at_all_is_told_by_the_exit_code(self):
         run = self.fleet(["empty", "vague"])
         self.assertEqual(run.returncode, 3, run.stdout)
-        self.assertIn("no bag told anything", run.stdout)
+        self.assertIn("no bag has a result", run.stdout)
         self.assertIn("2 of 2 bags left nothing", run.stdout)
 
     @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
