@@ -43,8 +43,8 @@ struct AuditReport {
   LikelyCause cause = LikelyCause::kNone;
   std::string cause_sentence;            ///< Empty unless WRONG.
   std::optional<std::int64_t> since_ns;  ///< WRONG since then; none: all along.
-  std::string reason;                    ///< Why it cannot be told, or not be used, in words.
-  std::string hint;                      ///< Which motion would tell.
+  std::string reason;  ///< Why there is no verdict, or it cannot be used, in words.
+  std::string hint;    ///< A motion that would decide.
 
   /// The verdict with all that speaks for it, but for the hint.
   std::string sentence() const;

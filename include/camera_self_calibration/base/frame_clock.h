@@ -6,7 +6,8 @@
 
 namespace camera_self_calibration {
 
-/// What the time between images tells: their rate, how many of them did not arrive, and long gaps.
+/// What follows from the time between images: their rate, how many of them did not arrive, and long
+/// gaps.
 class FrameClock {
  public:
   /// `kept` steps, at least five, are averaged over: more are steadier, fewer follow a change of

@@ -13,13 +13,13 @@ struct BlockShare {
   Intrinsics gradient;           ///< n_c
 };
 
-/// What a problem's observations tell of the intrinsics, at its present state.
+/// The information of a problem's observations about the intrinsics, at its present state.
 struct Marginal {
   /// Inverse of the intrinsics' block of (J^T J)^-1 (eq. 4): the reduced system that is left when
   /// landmarks and poses are eliminated, undamped. n_c x n_c.
   IntrinsicsMatrix information;
-  /// The same with what noise in the inverse depths feigns, which DepthNoise::kDiscounted leaves
-  /// out of all else here.
+  /// The same with the spurious part from noise in the inverse depths, which
+  /// DepthNoise::kDiscounted leaves out of all else here.
   IntrinsicsMatrix whole_information;
   std::vector<BlockShare> shares;  ///< Of each block, in `whole_information`.
   /// `sum s s^T` over tracks (LinearSegment::trackScores), with the loss of degrees of freedom made
@@ -53,10 +53,10 @@ struct Marginal {
   std::optional<IntrinsicsMatrix> robustCovariance() const;
 };
 
-/// What of the information counts that noise in the inverse depths feigns (see depth_noise.h).
+/// Whether spurious information from noise in the inverse depths counts (see depth_noise.h).
 enum class DepthNoise {
   kCounts,     ///< All of it: eqs. 4 and 5 as they are.
-  kDiscounted  ///< As little as is honest: no change where parallax tells the depths well.
+  kDiscounted  ///< As little as is honest: no change where parallax determines the depths well.
 };
 
 /// One fresh undamped linearisation (eqs. 4, 5).
@@ -64,7 +64,7 @@ Marginal marginalize(const Problem& problem, double huber, int threads = 1,
                      DepthNoise noise = DepthNoise::kCounts);
 
 /// Eigenvalues of an information matrix scaled to a unit diagonal, in increasing order: the
-/// smallest tells how well conditioned the estimate is, whatever the parameters' units.
+/// smallest shows how well conditioned the estimate is, whatever the parameters' units.
 Intrinsics scaledEigenvalues(const IntrinsicsMatrix& information);
 
 /// Inverse of an information matrix; nothing where its smallest scaled eigenvalue is below

@@ -7,10 +7,10 @@
 
 namespace camera_self_calibration {
 
-/// Vague knowledge of where the landmarks are: their inverse depths are independent normal. It keeps
-/// depths, and with them scale and sign of the motion, where too little parallax tells them, and is
-/// far too weak to matter where there is parallax: a landmark seen from two places with a parallax
-/// of n sigmas moves by 1 / n^2 of its distance from the mean. sigma 0: no prior.
+/// Vague knowledge of where the landmarks are: their inverse depths are independent normal. It
+/// keeps depths, and with them scale and sign of the motion, where too little parallax determines
+/// them, and is far too weak to matter where there is parallax: a landmark seen from two places
+/// with a parallax of n sigmas moves by 1 / n^2 of its distance from the mean. sigma 0: no prior.
 struct DepthPrior {
   double mean = 0.0;
   double sigma = 0.0;
@@ -23,9 +23,9 @@ struct DepthPrior {
 /// A segment's part in a problem: what is held, and its weight.
 struct SegmentBlock {
   Segment* segment = nullptr;
-  int fixed_keyframes = 1;   ///< The first so many keyframes keep their poses.
-  int fixed_landmark = -1;   ///< This landmark keeps its inverse depth; -1: none.
-  double sigma_scale = 1.0;  ///< Multiplies every observation's sigma.
+  int fixed_keyframes = 1;      ///< The first so many keyframes keep their poses.
+  int fixed_landmark = -1;      ///< This landmark keeps its inverse depth; -1: none.
+  double sigma_scale = 1.0;     ///< Multiplies every observation's sigma.
   DepthPrior depth_prior = {};  ///< Of every landmark; for solve() alone, as Problem::prior.
 };
 
@@ -50,7 +50,7 @@ struct Problem {
   bool estimate_intrinsics = true;
   std::vector<SegmentBlock> blocks;
   IntrinsicsPrior prior =
-      {};  ///< For solve() alone: what marginalize() tells comes from observations.
+      {};  ///< For solve() alone: what marginalize() returns comes from observations.
 
   /// n_c, or 0 if the intrinsics are held.
   int intrinsicsCount() const { return estimate_intrinsics ? camera->estimatedCount() : 0; }

@@ -113,10 +113,10 @@ class SlidingWindow {
   bool trusted_ = false;
   std::map<std::uint64_t, Generation> generations_;  // of the keyframes in the map
   Map map_;
-  // Median when parallax told it last; at first that of new points. Where nothing tells the depths,
-  // such as while the camera turns on the spot, they and the scale stay about there, and in front
-  // of the camera. The present median would not do: without true parallax, the noise of the
-  // translations lowers it with every solution.
+  // Median when parallax last determined it; at first that of new points. Where nothing determines
+  // the depths, such as while the camera turns on the spot, they and the scale stay about there,
+  // and in front of the camera. The present median would not do: without true parallax, the noise
+  // of the translations lowers it with every solution.
   double told_inverse_depth_ = 1.0;
 };
 

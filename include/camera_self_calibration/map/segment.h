@@ -53,7 +53,7 @@ struct Observation {
   RowShift shift = {};
 };
 
-/// A stretch of the trajectory that stands for itself: a plain value, with indices and no pointers.
+/// A part of the trajectory that stands for itself: a plain value, with indices and no pointers.
 /// Keyframes in the order of time, observations grouped by landmark.
 struct Segment {
   std::int64_t sequence = 0;  ///< Unique among segments; identity of a copy.
@@ -61,7 +61,7 @@ struct Segment {
   std::vector<Landmark> landmarks;
   std::vector<Observation> observations;
   /// Intrinsics of the first `earlier_keyframes` keyframes where the physical camera changed within
-  /// the stretch: known, and held. Null: there was no change.
+  /// it: known, and held. Null: there was no change.
   std::shared_ptr<const Camera> earlier_camera;
   int earlier_keyframes = 0;
 

@@ -41,7 +41,8 @@ struct ModelChoiceOptions {
 /// Which projection model the lens follows: the simplest that the observations do not refute
 /// (likelihood ratio), as soon as it is known well enough to be nearer to the truth than the one in
 /// use. A simpler one takes over again where nothing speaks against it, or where the one in use has
-/// parameters that the motion does not tell; one that segments of video have refuted only then.
+/// parameters that the motion does not determine; one that segments of video have refuted only
+/// then.
 class ModelChoice {
  public:
   explicit ModelChoice(const ModelChoiceOptions& options) : options_(options) {}

@@ -25,7 +25,7 @@ struct BackEndOutput {
 
 /// Thread 2: from keyframes to intrinsics (fig. 3). A startup batch first; the queue is filled
 /// meanwhile and takes over when its estimate is good enough and its segments agree. Learning
-/// begins again when the lens changes. Phase tells whose intrinsics count.
+/// begins again when the lens changes. Phase says whose intrinsics count.
 class BackEnd {
  public:
   /// Learns from nothing but `camera`, where to start. Counts on from `counters`.

@@ -13,7 +13,7 @@ namespace camera_self_calibration {
 /// What the state says of the calibration. CONVERGED at or below `converged_rms` [px].
 HealthVerdict verdictOn(const BackEndState& state, double converged_rms);
 
-/// For everybody: the sentence tells the choice of the model, its fit and a drift, too.
+/// For everybody: the sentence mentions the choice of the model, its fit and a drift, too.
 CalibrationReport reportOf(const BackEndState& state);
 
 /// The estimate in use, for the front end. Until a restored queue is confirmed it has not handed

@@ -17,8 +17,8 @@ struct SegmentMark {
   double entropy = 0.0;  ///< Normalised [nats]; lower is better.
 };
 
-/// What one bag told of one camera, in a kilobyte: enough to hold it against other bags without
-/// their video, and to know which segments are wanted.
+/// The result of one bag for one camera, in a kilobyte: enough to hold it against other bags
+/// without their video, and to know which segments are wanted.
 struct BagRecord {
   std::string bag;            ///< Path of the bag, folder or video.
   std::string camera;         ///< Name of the physical camera.

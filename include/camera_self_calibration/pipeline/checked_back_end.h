@@ -10,8 +10,8 @@
 namespace camera_self_calibration {
 
 /// A BackEnd that may begin with a saved state: converged at once, and re-checked. Until the new
-/// images have told enough, a second BackEnd learns from them alone. If both agree the saved state
-/// goes on, with the new segments; if not, it is discarded, the lens counts as changed, and
+/// images determine the lens, a second BackEnd learns from them alone. If both agree the saved
+/// state goes on, with the new segments; if not, it is discarded, the lens counts as changed, and
 /// learning goes on with what the new images said.
 class CheckedBackEnd {
  public:

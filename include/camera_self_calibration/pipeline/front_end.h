@@ -123,7 +123,7 @@ class FrontEnd {
   std::uint64_t map_id_ = 0;
   std::uint64_t next_map_id_ = 1;
   TrackingState state_ = TrackingState::kInitializing;
-  std::optional<MapMove> moved_;  // not told yet
+  std::optional<MapMove> moved_;  // not reported yet
   bool map_tracked_ = false;      // a pose was found in this map
   bool loss_reported_ = false;    // and tracking is not back yet
   int frames_without_pose_ = 0;

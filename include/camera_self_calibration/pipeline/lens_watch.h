@@ -48,7 +48,7 @@ class LensWatch {
   void forgetWindows() { detector_.reset(); }
 
   /// A new lens since `onset_ns`. `scatter`: by how much the old one's segments disagreed; nothing
-  /// if no queue told.
+  /// without a queue.
   void beginLens(std::int64_t onset_ns, const std::optional<Scatter>& scatter);
 
   /// How the lens drifts, from the queue and the newest windows beside it; queue.solution() must
@@ -65,7 +65,7 @@ class LensWatch {
   ChangeDetector detector_;
   std::deque<std::pair<std::int64_t, Reference>> course_;  // of the startup batch, by stamp
   // How far segments of this camera scatter, as its model does not describe it exactly: that of the
-  // queue before the newest change; of the first lens, which no queue has told yet, three sigmas.
+  // queue before the newest change; of the first lens, before there is a queue, three sigmas.
   Scatter usual_scatter_ = {40.0 * 3.0 * 3.0, 40};
   bool first_lens_ = true;
   std::int64_t onset_ns_ = 0;

@@ -16,9 +16,9 @@ enum class Phase {
 
 /// What ends a phase.
 enum class PhaseTrigger {
-  kUninformed,     ///< Neither the startup batch nor the queue tells the lens.
-  kStartupBetter,  ///< The startup batch tells it best.
-  kQueueBetter,    ///< The queue is believed and tells it best.
+  kUninformed,     ///< Neither the startup batch nor the queue determines the lens.
+  kStartupBetter,  ///< The startup batch has the smaller uncertainty.
+  kQueueBetter,    ///< The queue is trusted, and has it.
   kQueueReady,     ///< The queue is good enough to stay: hand-over.
   kRestored,       ///< There is a saved queue.
   kConfirmed,      ///< New images agree with it.

@@ -36,7 +36,7 @@ struct MapMove {
   Similarity3 to_from_from;  ///< Takes these poses over into the other map.
 };
 
-/// What one image told, published in the order of the images.
+/// The result of one image, published in the order of the images.
 struct FrameResult {
   std::int64_t stamp_ns = 0;  ///< Of the image.
   TrackingState state = TrackingState::kInitializing;

@@ -83,8 +83,8 @@ class SelfCalibrator {
   bool freeze(bool frozen);
 
   /// Multiplies the lengths of the present map and of all poses to come by `factor`, as when the
-  /// true size of something is known. A new map_id tells that they no longer compare. False unless
-  /// TRACKING, or if the factor is none that isScaleFactor() takes.
+  /// true size of something is known. The new map_id marks that they no longer compare. False
+  /// unless TRACKING, or if the factor is none that isScaleFactor() takes.
   bool setScale(double factor);
 
   /// From 1e-6 to 1e6, so that lengths stay numbers that can be computed with.

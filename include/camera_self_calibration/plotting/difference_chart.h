@@ -5,7 +5,7 @@
 
 namespace camera_self_calibration {
 
-/// The differences between two calibrations over the image of `a`: colours tell how large they are,
+/// The differences between two calibrations over the image of `a`: colours show how large they are,
 /// arrows, magnified, where they point. 500 px wide.
 Sheet drawDifference(const Camera& a, const PixelDifference& difference);
 

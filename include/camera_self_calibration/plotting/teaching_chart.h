@@ -30,8 +30,8 @@ SegmentTeaching teachingOf(const Camera& camera, const IntrinsicsMatrix& all,
 std::vector<SegmentTeaching> teachings(const std::vector<Candidate>& queue, const Camera& camera,
                                        std::int64_t origin_ns);
 
-/// Which seconds taught what: one row a parameter, below a row for the image, over time; the darker
-/// the more.
+/// Which seconds were informative: one row a parameter, below a row for the image, over time; the
+/// darker the more.
 Sheet drawTeachings(const std::vector<SegmentTeaching>& segments,
                     const std::vector<std::string>& names, double duration_s, int width);
 

@@ -7,7 +7,7 @@
 
 namespace camera_self_calibration {
 
-/// What a segment tells of the intrinsics at the poses and depths that it comes with: one
+/// The information of a segment about the intrinsics at its initial poses and depths: one
 /// linearisation, for an eighth of the time that evaluateCandidate takes.
 struct CandidateOutlook {
   bool usable = false;  ///< The intrinsics are determined.

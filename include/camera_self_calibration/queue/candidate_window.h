@@ -8,7 +8,7 @@
 
 namespace camera_self_calibration {
 
-/// What one segment of the trajectory, by itself, tells of the intrinsics.
+/// What one segment of the trajectory, by itself, says about the intrinsics.
 struct Candidate {
   Segment observed;              ///< As it was offered.
   Segment segment;               ///< Solved, outliers removed.
@@ -28,7 +28,7 @@ struct CandidateOptions {
   int min_landmarks = 20;
   double min_scaled_eigenvalue = 1e-7;  ///< Of the marginal information with a unit diagonal.
   /// rms over image width, above which it is ill posed. Without any information (a still camera,
-  /// translation alone) noise in the estimated motion feigns 0.035 to 0.2, whatever its size.
+  /// translation alone) noise in the estimated motion simulates 0.035 to 0.2, whatever its size.
   double max_pixel_uncertainty_share = 0.03;
   /// Sigmas that the intrinsics would still move (Marginal::remainingStep). Poses and depths that
   /// nothing determines, as in pure rotation, never settle and do not matter.

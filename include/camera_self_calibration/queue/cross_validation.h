@@ -11,7 +11,7 @@ namespace camera_self_calibration {
 /// far they are apart, and how far their uncertainties say that they should be. An error that both
 /// halves share, as of a lens model that does not fit, does not show.
 struct CrossValidation {
-  bool compared = false;       ///< Else a half alone does not tell the intrinsics.
+  bool compared = false;       ///< Else a half alone does not determine the intrinsics.
   double difference_px = 0.0;  ///< Over the image, a rotation of the camera removed [px rms].
   double expected_px = 0.0;    ///< By the stated uncertainties of the halves [px rms].
   double p_value = 1.0;        ///< Probability of so large a difference by chance.

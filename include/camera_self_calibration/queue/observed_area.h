@@ -11,7 +11,7 @@
 namespace camera_self_calibration {
 
 /// The part of `seeing` that features of these segments covered: grid points with an observation at
-/// most one and a half grid spacings away. Elsewhere the lens model alone tells where rays go.
+/// most one and a half grid spacings away. Elsewhere the lens model alone says where rays go.
 ImageField observedArea(const std::vector<Candidate>& queue, const Camera& camera,
                         const ImageField& seeing);
 

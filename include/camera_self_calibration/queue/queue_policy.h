@@ -49,7 +49,7 @@ class QueuePolicy {
   QueuePolicy(int capacity, double alpha, ScoreKind kind = ScoreKind::kEntropy)
       : capacity_(capacity), alpha_(alpha), kind_(kind) {}
 
-  /// What becomes of a candidate that is offered to a queue of these segments. `camera` tells the
+  /// What becomes of a candidate that is offered to a queue of these segments. `camera` gives the
   /// normalisation of a joint entropy, and the image that a joint pixel error is over.
   QueueDecision consider(const SegmentScore& candidate, const std::vector<SegmentScore>& segments,
                          const Camera& camera) const;

@@ -29,7 +29,7 @@ struct QueueSolution {
   /// scatter.inflation().
   IntrinsicsMatrix information;
   std::vector<BlockShare> shares;  ///< The segments' marginals, in the queue's order.
-  /// The inverse of what is left of the information without what noise in the inverse depths feigns
+  /// The inverse of the information without the spurious part from noise in the inverse depths
   /// (DepthNoise::kDiscounted), made larger where residuals are correlated along tracks
   /// (Marginal::robustCovariance); empty where that is singular.
   IntrinsicsMatrix covariance;

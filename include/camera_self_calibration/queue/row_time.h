@@ -7,7 +7,7 @@
 
 namespace camera_self_calibration {
 
-/// What observations tell of a rolling shutter's time between rows.
+/// What observations say about a rolling shutter's time between rows.
 struct RowTimeEstimate {
   bool usable = false;
   double row_time_s = 0.0;
@@ -17,7 +17,7 @@ struct RowTimeEstimate {
 
 /// Profile of the cost about the row time that the segments have now (Keyframe::row_time_s), which
 /// are at their solution: poses, landmarks and intrinsics follow to first order, robust weights
-/// stay. The parabola through three points tells the least and its width. The segments share the
+/// stay. The parabola through three points gives the minimum and its width. The segments share the
 /// intrinsics and the row time; `prior` as in Problem.
 RowTimeEstimate estimateRowTime(const std::vector<SegmentBlock>& blocks, const Camera& camera,
                                 const IntrinsicsPrior& prior, int threads);

@@ -20,7 +20,7 @@ struct QueueStart {
   double row_time_doubt_s = 0.0;  ///< RowTime::doubt [s].
 };
 
-/// The priority queue of the best segments (section II-B) with what they tell jointly. Whatever
+/// The priority queue of the best segments (section II-B) with their joint solution. Whatever
 /// happens to it:
 /// - its segments were all accepted by the policy, so that no two of them share a moment;
 /// - solution() is that of the segments as they are, not usable if there are none, or none that
@@ -56,7 +56,7 @@ class SegmentQueue {
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const QueueSolution& solution() const { return solution_; }
 
-  /// What all segments together tell of the rolling shutter's time between rows, about the one that
+  /// The joint estimate of the rolling shutter's time between rows, about the one that
   /// they are freed of.
   RowTimeEstimate rowTime() const;
 

@@ -26,14 +26,14 @@ KnownDirections knownDirections(const Camera& camera, const IntrinsicsMatrix& in
 Camera withWeakDirectionsHeld(const Camera& estimate, const IntrinsicsMatrix& information,
                               const Camera& trusted, double limit_px);
 
-/// What is known least, for people, and the motion that would tell it.
+/// What is known least, for people, and a motion that would determine it.
 struct WeakDirection {
   std::string name;  ///< Such as "the focal length (fx, fy)".
   std::string hint;
 };
 
-/// The parameters that dominate the least known direction; all of them, and motion that tells them
-/// all, where the information is empty or not finite.
+/// The parameters that dominate the least known direction; all of them, and motion that determines
+/// them all, where the information is empty or not finite.
 WeakDirection weakestDirection(const IntrinsicsMatrix& information, const Camera& camera);
 
 }  // namespace camera_self_calibration

@@ -11,13 +11,13 @@ namespace camera_self_calibration {
 
 /// The keyframes, landmarks and observations of a whole run, put together from the windows that
 /// were offered to the queue: the same tracks, with the tracker's own sigmas. A window that has no
-/// keyframe in common with what came before begins a new stretch, in a frame and scale of its own.
+/// keyframe in common with what came before begins a new part, in a frame and scale of its own.
 class WholeTrajectory {
  public:
   /// Adds what a window (its keyframes' ids grow along the run) has beyond the windows before.
   void add(const Segment& window);
 
-  /// One segment a stretch.
+  /// One segment a part.
   std::vector<Segment> stretches() const;
 
   /// Takes over poses, bearings and depths of solved stretches; landmarks that are missing in them

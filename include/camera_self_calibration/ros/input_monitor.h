@@ -11,7 +11,7 @@ namespace camera_self_calibration {
 /// What to do with an image.
 enum class InputVerdict {
   kUse,
-  kRestart,  ///< The clock jumped back: use it, but as the first of a new stretch.
+  kRestart,  ///< The clock jumped back: use it, but as the first of a new sequence.
   kNewSize,  ///< The images have another size, for good: use it, with a calibration for that size.
   kReject
 };

@@ -17,7 +17,7 @@ namespace camera_self_calibration {
 /// whole. Positions in the world frame [map units]. Not thread-safe.
 class Scene {
  public:
-  /// A stretch of the trajectory that the calibration rests on.
+  /// A part of the trajectory that the calibration rests on.
   struct Stretch {
     std::vector<Eigen::Vector3d> positions;
     double score = 0.0;  ///< 0: informs most, to 1: least, of the queue's segments.

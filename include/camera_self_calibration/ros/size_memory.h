@@ -11,8 +11,9 @@
 
 namespace camera_self_calibration {
 
-/// Keeps what was learnt at one image size for another one: rescaled where the driver tells binning
-/// and region of interest of both, or as it was when the size had been seen before. Thread-safe.
+/// Keeps what was learnt at one image size for another one: rescaled where the driver reports
+/// binning and region of interest of both, or as it was when the size had been seen before.
+/// Thread-safe.
 class SizeMemory {
  public:
   struct Known {

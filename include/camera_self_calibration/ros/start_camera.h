@@ -15,7 +15,7 @@ namespace camera_self_calibration {
 struct StartDecision {
   bool wait = false;             ///< Not decided yet: ask again with the next image.
   std::optional<Camera> camera;  ///< Of the model to estimate; nothing: the default guess.
-  std::string sentence;          ///< For the log; empty if there is nothing to tell.
+  std::string sentence;          ///< For the log; empty if there is nothing to report.
   bool warning = false;          ///< Whether the sentence is one.
 };
 

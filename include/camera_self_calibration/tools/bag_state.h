@@ -13,8 +13,8 @@ namespace camera_self_calibration {
 std::shared_ptr<const LearntState> stateOfBag(const Recording& recording, const std::string& bag,
                                               const std::string& camera);
 
-/// The state in `path` if it is what `bag` told of `camera`; null if there is no such file. Throws
-/// std::runtime_error if it is something else, which must not be written over.
+/// The state in `path` if it is the result of `bag` for `camera`; null if there is no such file.
+/// Throws std::runtime_error if it is something else, which must not be written over.
 std::shared_ptr<const LearntState> finishedState(const std::string& path, const std::string& bag,
                                                  const std::string& camera);
 

@@ -9,7 +9,7 @@
 
 namespace camera_self_calibration {
 
-/// Reads a calibration in any of the formats, told apart by what stands in the file. Throws
+/// Reads a calibration in any of the formats, which is detected from the contents. Throws
 /// std::runtime_error that says what is wrong.
 Camera readCalibrationFile(const std::string& path);
 

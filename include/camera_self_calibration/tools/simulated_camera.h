@@ -12,7 +12,7 @@ namespace camera_self_calibration {
 
 /// Publishes a simulated sequence as an ordinary camera: image_raw and an uncalibrated camera_info.
 /// The truth goes to topics of its own: truth/camera_info, truth/calibration (latched) and
-/// truth/pose; truth/finished (latched, stamp of the last image) tells the end.
+/// truth/pose; truth/finished (latched, stamp of the last image) marks the end.
 class SimulatedCamera {
  public:
   /// Throws std::invalid_argument if the options are out of range.
