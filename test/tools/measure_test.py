@@ -1,0 +1,69 @@
+#!/usr/bin/python3
+"""measure_test.py SCRIPTS: scripts/measure puts tables where the pages have a place for them."""
+import importlib.machinery
+import importlib.util
+import pathlib
+import sys
+import unittest
+
+SCRIPTS = pathlib.Path(sys.argv.pop(1))
+sys.path.insert(0, str(SCRIPTS))
+
+import measure_tables
+
+
+def load(name):
+    loader = importlib.machinery.SourceFileLoader(name, str(SCRIPTS / name))
+    module = importlib.util.module_from_spec(importlib.util.spec_from_loader(name, loader))
+    loader.exec_module(module)
+    return module
+
+
+measure = load("measure")
+PAGE = "a\n<!-- measured: x -->\nold\n<!-- end of measured -->\nb\n<!-- measured: y -->\nkept\n<!-- end of measured -->\n"
+
+
+class Measure(unittest.TestCase):
+    def test_replaces_what_is_between_the_markers(self):
+        text = measure.replaced(PAGE, "x", "new\n")
+        self.assertEqual(text, PAGE.replace("old", "new"))
+
+    def test_refuses_a_page_without_a_place(self):
+        with self.assertRaises(ValueError):
+            measure.replaced(PAGE, "z", "new\n")
+        with self.assertRaises(ValueError):
+            measure.replaced("<!-- measured: x -->\nold\n", "x", "new\n")
+
+    def test_every_table_has_one_place(self):
+        for table in measure_tables.TABLES:
+            page = (SCRIPTS.parent / table.page).read_text()
+            self.assertIn("|---", measure.replaced(page, table.name, "|---\n"), table.name)
+
+    def test_every_place_has_a_table(self):
+        names = {table.name for table in measure_tables.TABLES}
+        for page in [SCRIPTS.parent / "README.md", *(SCRIPTS.parent / "doc").glob("*.md")]:
+            for line in page.read_text().splitlines():
+                if line.startswith("<!-- measured: "):
+                    self.assertIn(line.split()[2], names, page)
+
+    def test_takes_the_last_table_that_a_program_prints(self):
+        text = "| trial |\n|---|\n| 1 |\n\n| summary |\n|---|\n| 2 |\ndone\n"
+        self.assertEqual(measure_tables.last_table(text), ["| summary |", "|---|", "| 2 |"])
+        with self.assertRaises(ValueError):
+            measure_tables.last_table("nothing")
+
+    def test_an_estimate_has_the_digits_of_its_sigma(self):
+        summary = {"camera": {"params": {"fx": 311.20199, "w": 0.93},
+                              "sigma": {"fx": 0.0174, "w": 0.0}}}
+        self.assertEqual(measure_tables.estimate(summary), "fx 311.202 ± 0.017")
+        summary["camera"]["sigma"]["fx"] = None
+        self.assertEqual(measure_tables.estimate(summary), "none")
+
+    def test_says_what_is_missing(self):
+        places = measure_tables.Places(pathlib.Path("build"), None)
+        with self.assertRaises(measure_tables.NotMeasured):
+            places.bag("room.bag")
+
+
+if __name__ == "__main__":
+    unittest.main()
