@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/plotting/axes.h"
 #include "chart_text.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kHeaderHeight = 64.0;
+constexpr double kHeaderHeight = 78.0;
 constexpr double kFooterHeight = 34.0;
 constexpr double kQueueHeight = 74.0;
 constexpr double kStateHeight = 3.0;
@@ -93,9 +94,16 @@ class Chart {
                 Align::kRight);
     const std::string error = errorText(report_);
     sheet_.text(error, {pill + 30.0, 27.5}, 9.0, colours_.text);
-    const std::string words = report_.hint.empty() ? report_.sentence : report_.hint;
-    sheet_.text(fitted(words, style_.width - 32.0, kLabel), {16.0, 52.0}, kLabel,
-                colours_.faint_text);
+    // The first clause of the sentence: the error stands above, the checks below.
+    const std::string words = report_.hint.empty()
+                                  ? report_.sentence.substr(0, report_.sentence.find(';'))
+                                  : report_.hint;
+    double y = 52.0;
+    for (const std::string& line : {asSentence(words), asSentence(checksInWords(report_))}) {
+      sheet_.text(fitted(line, style_.width - 32.0, kLabel), {16.0, y}, kLabel,
+                  colours_.faint_text);
+      y += 14.0;
+    }
   }
 
   void drawParameter(int index, const cv::Rect2d& panel) {
@@ -267,6 +275,23 @@ cv::Mat drawConvergence(const ConvergenceHistory& history, const ConvergenceStyl
   checked.width = std::max(400, style.width);
   checked.height = std::max(400, style.height);
   return history.empty() ? drawWaiting(checked) : Chart(history, checked).draw();
+}
+
+std::string checksInWords(const CalibrationReport& report) {
+  std::vector<std::string> words;
+  if (report.cross_validation.compared) {
+    words.push_back(report.cross_validation.agrees() ? "halves of the video agree"
+                                                     : "halves of the video disagree");
+  }
+  if (report.lens_fit.compared) {
+    words.push_back(report.lens_fit.better.empty() ? "lens model fits" : "lens model does not fit");
+  }
+  if (report.observed.share > 0.0) {
+    words.push_back(formatted("features in %.0f %% of the image", 100.0 * report.observed.share));
+  }
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : ", ") + word;
+  return text;
 }
 
 double scoreShare(const SegmentReport& segment, const QueueReport& queue) {

@@ -189,6 +189,8 @@ std::vector<Caption> Visualizer::captions(const FrameResult& frame) const {
   std::string calibration = toString(report.state);
   if (report.covariance.size() > 0 && std::isfinite(report.uncertainty.rms)) {
     calibration += formatted(", expected error %.2g px", report.uncertainty.rms);
+    const std::string checks = checksInWords(report);
+    if (!checks.empty()) calibration += "; " + checks;
   }
   std::vector<Caption> all = {
       {trackingColour(frame.state), toString(frame.state) + ", " + frame.sentence},

@@ -104,6 +104,20 @@ TEST(ConvergenceChart, SurvivesWildValues) {
   EXPECT_EQ(drawConvergence(history, {}).cols, 760);
 }
 
+TEST(ConvergenceChart, ChecksAreSaidInWords) {
+  CalibrationReport report;
+  EXPECT_EQ(checksInWords(report), "");
+  report.cross_validation.compared = true;
+  report.lens_fit.compared = true;
+  report.observed.share = 0.96;
+  EXPECT_EQ(checksInWords(report),
+            "halves of the video agree, lens model fits, features in 96 % of the image");
+  report.cross_validation.p_value = 1e-9;
+  report.lens_fit.better = "radtan";
+  EXPECT_EQ(checksInWords(report),
+            "halves of the video disagree, lens model does not fit, features in 96 % of the image");
+}
+
 TEST(ConvergenceChart, ScoresGoFromTheBestToTheWorst) {
   const QueueReport queue = sampleReport(CameraModel::kFov, 59).queue;
   EXPECT_EQ(scoreShare(queue.segments.front(), queue), 0.0);
