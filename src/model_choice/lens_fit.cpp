@@ -72,7 +72,7 @@ std::string LensFitReport::sentence() const {
   text += describesImage() ? formatted(" misses the lens by %.1f px rms, %.1f px at worst",
                                        misfit.rms, misfit.max)
                            : formatted(" has no ray for %.0f %% of the image", 100.0 * undescribed);
-  return text + "; " + better + " fits it";
+  return text + ", but " + better + " fits it";
 }
 
 std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool verdict_due,

@@ -36,7 +36,7 @@ std::string limit(const HealthEvidence& evidence) {
 // Of CONVERGED, which is kept a little beyond its limit.
 std::string limitToLeave(const HealthEvidence& evidence) {
   if (evidence.uncertainty.rms <= evidence.threshold_px) return limit(evidence);
-  return formatted(" (limit %.2f px; no longer CONVERGED above %.2f px)", evidence.threshold_px,
+  return formatted(" (limit %.2f px, no longer CONVERGED above %.2f px)", evidence.threshold_px,
                    kHysteresis * evidence.threshold_px);
 }
 

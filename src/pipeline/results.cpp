@@ -44,7 +44,8 @@ std::string describe(const ShutterReport& shutter) {
                      readout_ms);
   }
   if (!std::isfinite(sigma_ms)) return "assumed global; not estimated yet";
-  return formatted("%s, readout time %.3f ms, sigma %.3f ms", shutter.rolls ? "rolling" : "global",
+  return formatted(shutter.rolls ? "rolling, readout time %.3f ms, sigma %.3f ms"
+                                 : "treated as global (readout time %.3f ms, sigma %.3f ms)",
                    readout_ms, sigma_ms);
 }
 

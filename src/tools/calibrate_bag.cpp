@@ -109,7 +109,11 @@ int run(const CalibrateBagArguments& arguments) {
   if (!arguments.ground_truth.empty() && !trajectory.truth) {
     std::cerr << "warning: the ground truth has no poses at the times of the images\n";
   }
-  if (!arguments.out.empty()) write(arguments, source.name, recording, trajectory);
+  if (!arguments.out.empty()) {
+    write(arguments, source.name, recording, trajectory);
+    std::cout << "Results are in " << arguments.out
+              << (arguments.report ? "; open report.html there" : "") << ".\n";
+  }
   if (!arguments.state_out.empty()) writeState(arguments, camera, recording);
   if (!recording.complete) {
     std::cerr << "calibrate_bag: interrupted after " << recording.frames << " images"

@@ -9,6 +9,8 @@
 #include <iostream>
 #include <optional>
 
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/tools/report_text.h"
 #include "camera_self_calibration/tools/truth_table.h"
 
 namespace camera_self_calibration {
@@ -22,12 +24,12 @@ struct Heard {
 };
 
 void showProgress(const Heard& heard) {
-  if (!heard.truth || !heard.estimate) return;
+  if (!heard.truth || !heard.estimate || heard.estimate->calibration_sentence.empty()) return;
   const Calibration& estimate = *heard.estimate;
   std::cout << std::fixed << std::setprecision(1)
             << (estimate.header.stamp - heard.truth->header.stamp).toSec()
-            << " s: " << estimate.calibration_state << ", " << estimate.calibration_sentence
-            << std::endl;
+            << " s: " << estimate.calibration_state << ": "
+            << clauses(estimate.calibration_sentence).front() << std::endl;
 }
 
 /// Until the camera has finished and the last keyframes are worked in, or the time is over.
@@ -56,8 +58,8 @@ int conclude(const Heard& heard) {
   const TruthComparison comparison = compareWithTruth(*heard.truth, *heard.estimate);
   std::cout << '\n'
             << comparison.table << '\n'
-            << heard.estimate->calibration_state << ": " << heard.estimate->calibration_sentence
-            << '\n'
+            << heard.estimate->calibration_state << ": "
+            << asSentence(heard.estimate->calibration_sentence) << '\n'
             << (comparison.passed()    ? "All parameters are within 3 sigma of the truth."
                 : comparison.converged ? "Not all parameters are within 3 sigma of the truth."
                                        : "The calibration has not converged.")

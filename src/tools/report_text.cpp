@@ -1,5 +1,6 @@
 #include "camera_self_calibration/tools/report_text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <iomanip>
 #include <sstream>
@@ -32,12 +33,36 @@ std::string auditText(const AuditReport& audit) {
 
 }  // namespace
 
+namespace {
+
+/// The verdict with its reasons, one a line, and what would help.
+std::string verdictText(const CalibrationReport& report) {
+  const std::vector<std::string> reasons = clauses(report.sentence);
+  std::string text = toString(report.state) + (reasons.empty() ? "\n" : ": ");
+  for (std::size_t i = 0; i < reasons.size(); ++i) text += (i > 0 ? "  " : "") + reasons[i] + "\n";
+  if (!report.hint.empty()) text += "  What would help: " + asSentence(report.hint) + "\n";
+  return text;
+}
+
+}  // namespace
+
+std::vector<std::string> clauses(const std::string& sentence) {
+  const std::string kBetween = "; ";
+  std::vector<std::string> all;
+  std::size_t begin = 0;
+  while (begin < sentence.size()) {
+    const std::size_t end = std::min(sentence.find(kBetween, begin), sentence.size());
+    all.push_back(asSentence(sentence.substr(begin, end - begin)));
+    begin = end + kBetween.size();
+  }
+  return all;
+}
+
 std::string reportText(const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
   std::ostringstream text;
   if (!recording.complete) text << kPartial << '\n';
-  text << toString(report.state) << ": " << asSentence(report.sentence) << '\n';
-  if (!report.hint.empty()) text << asSentence(report.hint) << '\n';
+  text << verdictText(report);
   text << toString(report.camera.model()) << ", " << report.camera.width() << "x"
        << report.camera.height() << '\n';
   writeParameters(report, text);

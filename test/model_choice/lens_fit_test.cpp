@@ -63,7 +63,7 @@ TEST(LensFit, SaysWhereTheImageHasNoRays) {
   report.better = "equidistant";
   report.misfit = {15.5, 50.0};
   report.undescribed = 0.1;
-  EXPECT_EQ(report.sentence(), "radtan has no ray for 10 % of the image; equidistant fits it");
+  EXPECT_EQ(report.sentence(), "radtan has no ray for 10 % of the image, but equidistant fits it");
 }
 
 TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {
