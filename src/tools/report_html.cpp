@@ -59,6 +59,10 @@ std::int64_t observationsOf(const Recording& recording) {
   return count;
 }
 
+std::string pixels(double value) {
+  return std::isfinite(value) ? number(value, 3) + " px" : "unknown";
+}
+
 std::string fieldOfViewText(const Camera& camera) {
   const FieldOfView field = fieldOfView(camera);
   return number(field.horizontal, 1) + "\u00b0 horizontal, " + number(field.vertical, 1) +
@@ -75,9 +79,9 @@ void addHead(const RunDescription& run, const Recording& recording, HtmlPage* pa
   page->verdict(toString(report.state), cssColour(stateColour(report.state)),
                 verdictSentence(recording));
   if (!recording.complete) page->paragraph(kPartial);
-  page->figures({{number(report.uncertainty.rms, 3) + " px", "expected error, rms"},
-                 {number(report.uncertainty.max, 3) + " px", "expected error, worst place"},
-                 {number(report.observed.uncertainty.rms, 3) + " px", "rms where features were"},
+  page->figures({{pixels(report.uncertainty.rms), "expected error, rms"},
+                 {pixels(report.uncertainty.max), "expected error, worst place"},
+                 {pixels(report.observed.uncertainty.rms), "rms where features were"},
                  {std::to_string(recording.frames), "images"},
                  {std::to_string(recording.keyframes), "keyframes"},
                  {std::to_string(observationsOf(recording)), "observations in the queue"}});
@@ -98,7 +102,7 @@ void addHead(const RunDescription& run, const Recording& recording, HtmlPage* pa
 }
 
 std::string observedText(const ObservedReport& observed) {
-  if (!(observed.share > 0.0)) return "not known yet";
+  if (!(observed.share > 0.0)) return "Not known yet.";
   const std::string corners =
       observed.unseen_corners.empty() ? "" : " " + asSentence(observed.unseen_corners);
   return "Features covered " + number(100.0 * observed.share, 0) +
@@ -259,8 +263,10 @@ void addTrust(const Recording& recording, HtmlPage* page) {
     page->paragraph("There is no estimate yet.");
     return;
   }
-  page->charts({{drawUncertainty(recording), "Expected error over the image"},
-                {drawCoverage(recording), "Observations over the image"}});
+  std::vector<std::pair<Sheet, std::string>> charts = {
+      {drawUncertainty(recording), "Expected error over the image"}};
+  if (recording.learnt) charts.emplace_back(drawCoverage(recording), "Observations over the image");
+  page->charts(charts);
 }
 
 void addConvergence(const Recording& recording, HtmlPage* page) {
