@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "benchmark/random_sequence.h"
@@ -152,7 +153,9 @@ void printPaces(const Errors& errors) {
     const PaceErrors& at = errors.by_pace[i];
     const double fair = at.count - at.gross;
     if (!(fair > 0.0)) continue;
-    std::printf("| %.0f | %.0f | %.2f | %.4f | %.4f | %.2f |\n", kPaces[i], at.count,
+    // The last pace has no upper end.
+    const std::string pace = kPaces[i] < 1e6 ? std::to_string(std::lround(kPaces[i])) : "more";
+    std::printf("| %s | %.0f | %.2f | %.4f | %.4f | %.2f |\n", pace.c_str(), at.count,
                 100.0 * at.gross / at.count, std::sqrt(at.square / fair),
                 std::sqrt(at.sigma2 / fair), std::sqrt(at.z2 / fair));
   }
