@@ -1,0 +1,241 @@
+#include "camera_self_calibration/rig/rig_calibrator.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/estimation/gate.h"
+#include "camera_self_calibration/estimation/transfer.h"
+#include "camera_self_calibration/map/inverse_depth.h"
+#include "camera_self_calibration/rig/hand_eye.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// A start that is off by more leads nowhere.
+constexpr double kMaxStartSigma = 5.0 * M_PI / 180.0;
+constexpr double kBorder = 12.0;  // [px] What a patch needs around it.
+constexpr double kStep = 2.0;     // [px] For the warp from one image to the other.
+constexpr int kRounds = 2;        // of seeking landmarks across cameras
+// RigSolveOptions::tolerance of all solutions but the last.
+constexpr double kRoughTolerance = 1e-4;
+
+// Where another camera sees what one camera sees along a ray, at an inverse distance.
+struct AcrossView {
+  const Rig& rig;
+  int from;
+  int to;
+
+  std::optional<Eigen::Vector2d> operator()(const Eigen::Vector2d& pixel, double inverse) const {
+    const auto ray = rig.cameras[from].unproject(pixel);
+    if (!ray) return std::nullopt;
+    const Rigid3 to_from = rig.rig_from_camera[to].inverse() * rig.rig_from_camera[from];
+    Eigen::Vector2d seen;
+    if (!rig.cameras[to].project(to_from.rotation * *ray + inverse * to_from.translation, &seen)) {
+      return std::nullopt;
+    }
+    return seen;
+  }
+};
+
+std::optional<ExpectedAcross> expect(const AcrossView& view, const Observation& seen,
+                                     double inverse_depth) {
+  ExpectedAcross expected;
+  const auto here = view(seen.pixel, inverse_depth);
+  const auto right = view(seen.pixel + Eigen::Vector2d(kStep, 0.0), inverse_depth);
+  const auto below = view(seen.pixel + Eigen::Vector2d(0.0, kStep), inverse_depth);
+  const auto nearer = view(seen.pixel, 1.1 * inverse_depth);
+  if (!here || !right || !below || !nearer) return std::nullopt;
+  if (!view.rig.cameras[view.to].inImage(*here, kBorder)) return std::nullopt;
+  expected.pixel = seen.pixel;
+  expected.sigma = seen.sigma;
+  expected.there.pixel = *here;
+  expected.there.linear.col(0) = (*right - *here) / kStep;
+  expected.there.linear.col(1) = (*below - *here) / kStep;
+  const Eigen::Vector2d along = *nearer - *here;
+  if (along.norm() > 1e-9) expected.along = along.normalized();
+  return expected;
+}
+
+// Removes views of other cameras that lie off by more than the others do.
+void dropGrossAcross(RigSegment* segment) {
+  constexpr double kGross = 4.8;  // sigmas: one in 10^5 of two dimensions
+  const RigViews views{static_cast<int>(segment->tracks.size())};
+  for (int c = 0; c < views.cameras; ++c) {
+    Segment& tracks = segment->tracks[c];
+    std::vector<double> norms(tracks.observations.size(), 0.0);
+    std::vector<double> across;
+    Transfers transfers;
+    predictObservations(tracks, tracks.cameras[c], &transfers,
+                        [&](std::size_t o, const Eigen::Vector2d* pixel) {
+                          const Observation& seen = tracks.observations[o];
+                          if (views.camera(seen.keyframe) == c) return;
+                          norms[o] = pixel ? (seen.pixel - *pixel).norm() / seen.sigma : 1e9;
+                          across.push_back(norms[o]);
+                        });
+    if (across.empty()) continue;
+    std::nth_element(across.begin(), across.begin() + across.size() / 2, across.end());
+    const double scale = std::max(1.0, across[across.size() / 2] / 1.177);  // median of Rayleigh
+    std::vector<Observation> kept;
+    for (std::size_t o = 0; o < norms.size(); ++o) {
+      if (norms[o] <= kGross * scale) kept.push_back(tracks.observations[o]);
+    }
+    tracks.observations = std::move(kept);
+  }
+}
+
+}  // namespace
+
+RigCalibrator::RigCalibrator(RigOptions options, std::vector<Camera> cameras, FindAcross across)
+    : options_(std::move(options)), across_(std::move(across)) {
+  rig_.rig_from_camera.resize(cameras.size());
+  rig_.cameras = std::move(cameras);
+}
+
+// Empty, or why there is none.
+std::string RigCalibrator::start() {
+  for (int c = 1; c < rig_.size(); ++c) {
+    const HandEye found = handEye(motionPairs(frames_, c, options_.motion_interval_s));
+    if (!(found.rotation_sigma <= kMaxStartSigma)) {
+      return formatted(
+          "the motion does not tell how camera %d is turned against camera 0: turn the rig about "
+          "two axes at least",
+          c);
+    }
+    rig_.rig_from_camera[c] = {found.rotation, found.position};
+  }
+  return {};
+}
+
+void RigCalibrator::cutStretches() {
+  std::vector<RigFrame> stretch;
+  const auto end = [&] {
+    if (static_cast<int>(stretch.size()) >= options_.min_frames) stretches_.push_back(stretch);
+    stretch.clear();
+  };
+  for (const RigFrame& frame : frames_) {
+    const RigView& first = frame.views.front();
+    if (!stretch.empty() && first.map_id != stretch.back().views.front().map_id) end();
+    if (!first.world_from_camera) continue;
+    stretch.push_back(frame);
+    if (static_cast<int>(stretch.size()) >= options_.segment_frames) end();
+  }
+  end();
+}
+
+std::vector<SeenAcross> RigCalibrator::seekIn(const Stretch& stretch) const {
+  std::vector<SeenAcross> found;
+  const RigViews views{rig_.size()};
+  for (int f = 0; f < stretch.segment.frames(); ++f) {
+    for (int from = 0; from < rig_.size(); ++from) {
+      const Segment& tracks = stretch.segment.tracks[from];
+      for (int to = 0; to < rig_.size(); ++to) {
+        if (to == from) continue;
+        std::vector<ExpectedAcross> expected;
+        for (const Observation& seen : tracks.observations) {
+          if (seen.keyframe != views.index(f, from)) continue;
+          const Landmark& landmark = tracks.landmarks[seen.landmark];
+          const double inverse_depth = transferInverseDepth(
+              tracks.keyframes[landmark.reference].world_from_camera, landmark.bearing,
+              landmark.inverse_depth, tracks.keyframes[seen.keyframe].world_from_camera);
+          const auto there = expect({rig_, from, to}, seen, inverse_depth);
+          if (!there) continue;
+          expected.push_back(*there);
+          expected.back().track_id = landmark.track_id;
+        }
+        for (SeenAcross& one : across_(stretch.frames[f], from, to, expected)) {
+          one.frame = f;
+          found.push_back(one);
+        }
+      }
+    }
+  }
+  return found;
+}
+
+void RigCalibrator::seekAcross() {
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    removeSeenAcross(&segments_[s]);
+    addSeenAcross(seekIn({stretches_[s], segments_[s]}), &segments_[s]);
+  }
+}
+
+bool RigCalibrator::solve() { return solveRig(options_.solve, &segments_, &rig_).usable; }
+
+// Before gates and searches: which features do not fit shows well before the solution has settled.
+bool RigCalibrator::solveRoughly() {
+  RigSolveOptions rough = options_.solve;
+  rough.tolerance = std::max(rough.tolerance, kRoughTolerance);
+  return solveRig(rough, &segments_, &rig_).usable;
+}
+
+// Another lens model that describes all lenses as well as is asked for: what it says of the rig.
+std::optional<Rig> RigCalibrator::underOtherLenses() const {
+  Rig other = rig_;
+  std::vector<RigSegment> segments = segments_;
+  for (int c = 0; c < rig_.size(); ++c) {
+    if (held(options_.solve, c)) continue;
+    const bool radtan = rig_.cameras[c].model() == CameraModel::kRadtan;
+    const auto fit =
+        fitCamera(rig_.cameras[c], radtan ? CameraModel::kEquidistant : CameraModel::kRadtan);
+    if (!fit) return std::nullopt;
+    other.cameras[c] = fit->camera;
+    other.cameras[c].setEstimateK3(!radtan);
+  }
+  RigSolveOptions rough = options_.solve;
+  rough.tolerance = std::max(rough.tolerance, kRoughTolerance);
+  if (!solveRig(rough, &segments, &other).usable) return std::nullopt;
+  for (int c = 0; c < rig_.size(); ++c) {
+    const double limit = rig_.cameras[c].width() / 640.0;
+    if (!(pixelDistance(rig_.cameras[c], other.cameras[c]).rms <= limit)) return std::nullopt;
+  }
+  return other;
+}
+
+void RigCalibrator::gate() {
+  for (RigSegment& segment : segments_) {
+    dropGrossAcross(&segment);
+    for (int c = 0; c < rig_.size(); ++c) {
+      SegmentBlock block;
+      block.segment = &segment.tracks[c];
+      // The rig's poses are shared among its cameras.
+      block.fixed_keyframes =
+          segment.frames() * rig_.size() - std::max(1, segment.frames() / rig_.size());
+      gateSegment(block, rig_.cameras[c]);
+    }
+  }
+}
+
+RigEstimate RigCalibrator::estimate() {
+  RigEstimate failed;
+  stretches_.clear();
+  segments_.clear();
+  failed.sentence = start();
+  if (!failed.sentence.empty()) return failed;
+  cutStretches();
+  for (const auto& stretch : stretches_) segments_.push_back(makeRigSegment(stretch, rig_));
+  if (!solveRoughly()) {
+    failed.sentence = "too few features were followed in all cameras at once";
+    return failed;
+  }
+  gate();
+  for (int round = 0; across_ && round < kRounds; ++round) {
+    if (!solveRoughly()) break;
+    seekAcross();
+    if (!solveRoughly()) break;
+    gate();
+  }
+  solve();
+  const auto covariance = rigCovariance(options_.solve, &segments_, &rig_);
+  if (!covariance) {
+    failed.sentence = "motion and features do not tell the rig";
+    return failed;
+  }
+  return describeRig(rig_, RigLayout(rig_, options_.solve), *covariance, underOtherLenses(),
+                     options_.baseline_m, &segments_);
+}
+
+}  // namespace camera_self_calibration
