@@ -87,6 +87,25 @@ void dropGrossAcross(RigSegment* segment) {
   }
 }
 
+// The tracks of one camera for whatever looks at them as at those of a camera alone. The rig's
+// poses are shared among its cameras.
+SegmentBlock blockOf(RigSegment* segment, int camera) {
+  const auto cameras = static_cast<int>(segment->tracks.size());
+  SegmentBlock block;
+  block.segment = &segment->tracks[camera];
+  block.fixed_keyframes = segment->frames() * cameras - std::max(1, segment->frames() / cameras);
+  return block;
+}
+
+// Whether the tracker's sigmas, or else what is left anyway, explain the residuals of `other` too,
+// but for chance.
+bool explainsAsWell(const SegmentBlock& other, const SegmentBlock& own, const Camera& camera) {
+  const auto count = static_cast<double>(own.segment->observations.size());
+  const double allowed = std::max(1.0, medianResidualScale(own, camera));
+  return count == 0.0 ||
+         medianResidualScale(other, camera) <= allowed * (1.0 + 3.0 / std::sqrt(count));
+}
+
 }  // namespace
 
 RigCalibrator::RigCalibrator(RigOptions options, std::vector<Camera> cameras, FindAcross across)
@@ -172,7 +191,8 @@ bool RigCalibrator::solveRoughly() {
   return solveRig(rough, &segments_, &rig_).usable;
 }
 
-// Another lens model that describes all lenses as well as is asked for: what it says of the rig.
+// What other lens models say of the rig, if these explain the tracks as well and are as near as is
+// asked of a calibration.
 std::optional<Rig> RigCalibrator::underOtherLenses() const {
   Rig other = rig_;
   std::vector<RigSegment> segments = segments_;
@@ -188,9 +208,15 @@ std::optional<Rig> RigCalibrator::underOtherLenses() const {
   RigSolveOptions rough = options_.solve;
   rough.tolerance = std::max(rough.tolerance, kRoughTolerance);
   if (!solveRig(rough, &segments, &other).usable) return std::nullopt;
+  std::vector<RigSegment> own = segments_;
   for (int c = 0; c < rig_.size(); ++c) {
     const double limit = rig_.cameras[c].width() / 640.0;
     if (!(pixelDistance(rig_.cameras[c], other.cameras[c]).rms <= limit)) return std::nullopt;
+    for (std::size_t s = 0; s < segments.size(); ++s) {
+      if (!explainsAsWell(blockOf(&segments[s], c), blockOf(&own[s], c), rig_.cameras[c])) {
+        return std::nullopt;
+      }
+    }
   }
   return other;
 }
@@ -198,14 +224,7 @@ std::optional<Rig> RigCalibrator::underOtherLenses() const {
 void RigCalibrator::gate() {
   for (RigSegment& segment : segments_) {
     dropGrossAcross(&segment);
-    for (int c = 0; c < rig_.size(); ++c) {
-      SegmentBlock block;
-      block.segment = &segment.tracks[c];
-      // The rig's poses are shared among its cameras.
-      block.fixed_keyframes =
-          segment.frames() * rig_.size() - std::max(1, segment.frames() / rig_.size());
-      gateSegment(block, rig_.cameras[c]);
-    }
+    for (int c = 0; c < rig_.size(); ++c) gateSegment(blockOf(&segment, c), rig_.cameras[c]);
   }
 }
 

@@ -145,6 +145,7 @@ TEST(RigCalibrator, RotationOnTheSpotDoesNotTellThePosition) {
   SimulatedRigOptions options = backToBack();
   options.motion = MotionKind::kRotationOnly;
   options.rig.rig_from_camera[1].translation.setZero();
+  options.frames = 25;
   const SimulatedRig rig = simulateRig(options);
   const RigEstimate estimate = calibrated(rig);
   ASSERT_TRUE(estimate.usable) << estimate.sentence;

@@ -66,8 +66,8 @@ struct RigLimits {
 RigLimits rigLimits(const Camera& camera);
 
 /// From a covariance in the layout of rigCovariance: unit, sigmas and the words. `other`: the rig
-/// under lens models that describe the lenses as well as is asked for; by how much it differs
-/// counts as one sigma, since noise is often less than what no model describes. With `baseline_m`,
+/// under lens models that explain the tracks as well; by how much it differs counts as one sigma,
+/// since noise is often less than what no model describes. With `baseline_m`,
 /// the distance between the first two cameras [m], lengths become metric. `segments` are scaled
 /// too.
 RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::MatrixXd& covariance,
