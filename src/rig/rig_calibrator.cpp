@@ -3,12 +3,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/transfer.h"
+#include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/map/inverse_depth.h"
 #include "camera_self_calibration/rig/hand_eye.h"
 
@@ -106,6 +108,19 @@ bool explainsAsWell(const SegmentBlock& other, const SegmentBlock& own, const Ca
          medianResidualScale(other, camera) <= allowed * (1.0 + 3.0 / std::sqrt(count));
 }
 
+// What the motion between neighbours tells of a rotation about the axis that it tells least: sum of
+// `|w|^2 I - w w^T`, w the rotation vectors [rad^2].
+double leastTurn(const std::vector<RigFrame>& stretch) {
+  Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+  for (std::size_t f = 1; f < stretch.size(); ++f) {
+    const Eigen::Vector3d w =
+        logSo3(stretch[f - 1].views.front().world_from_camera->rotation.conjugate() *
+               stretch[f].views.front().world_from_camera->rotation);
+    information += w.squaredNorm() * Eigen::Matrix3d::Identity() - w * w.transpose();
+  }
+  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information).eigenvalues()(0);
+}
+
 }  // namespace
 
 RigCalibrator::RigCalibrator(RigOptions options, std::vector<Camera> cameras, FindAcross across)
@@ -114,10 +129,35 @@ RigCalibrator::RigCalibrator(RigOptions options, std::vector<Camera> cameras, Fi
   rig_.cameras = std::move(cameras);
 }
 
+void RigCalibrator::add(RigFrame frame) {
+  const RigView& first = frame.views.front();
+  if (!first.world_from_camera) return;
+  if (stretches_.empty() || static_cast<int>(stretches_.back().size()) >= options_.segment_frames ||
+      stretches_.back().back().views.front().map_id != first.map_id) {
+    stretches_.emplace_back();
+  }
+  stretches_.back().push_back(std::move(frame));
+  if (frames() <= options_.max_frames || stretches_.size() < 2) return;
+  const auto turns_less = [](const Stretch& a, const Stretch& b) {
+    return leastTurn(a) < leastTurn(b);
+  };
+  stretches_.erase(std::min_element(stretches_.begin(), stretches_.end() - 1, turns_less));
+}
+
+int RigCalibrator::frames() const {
+  return std::accumulate(
+      stretches_.begin(), stretches_.end(), 0,
+      [](int sum, const Stretch& stretch) { return sum + static_cast<int>(stretch.size()); });
+}
+
 // Empty, or why there is none.
 std::string RigCalibrator::start() {
+  std::vector<RigFrame> frames;
+  for (const Stretch& stretch : stretches_) {
+    frames.insert(frames.end(), stretch.begin(), stretch.end());
+  }
   for (int c = 1; c < rig_.size(); ++c) {
-    const HandEye found = handEye(motionPairs(frames_, c, options_.motion_interval_s));
+    const HandEye found = handEye(motionPairs(frames, c, options_.motion_interval_s));
     if (!(found.rotation_sigma <= kMaxStartSigma)) {
       return formatted(
           "the motion does not tell how camera %d is turned against camera 0: turn the rig about "
@@ -129,28 +169,23 @@ std::string RigCalibrator::start() {
   return {};
 }
 
-void RigCalibrator::cutStretches() {
-  std::vector<RigFrame> stretch;
-  const auto end = [&] {
-    if (static_cast<int>(stretch.size()) >= options_.min_frames) stretches_.push_back(stretch);
-    stretch.clear();
-  };
-  for (const RigFrame& frame : frames_) {
-    const RigView& first = frame.views.front();
-    if (!stretch.empty() && first.map_id != stretch.back().views.front().map_id) end();
-    if (!first.world_from_camera) continue;
-    stretch.push_back(frame);
-    if (static_cast<int>(stretch.size()) >= options_.segment_frames) end();
-  }
-  end();
+void RigCalibrator::makeSegments() {
+  segments_.clear();
+  stretches_.erase(std::remove_if(stretches_.begin(), stretches_.end(),
+                                  [this](const Stretch& stretch) {
+                                    return static_cast<int>(stretch.size()) < options_.min_frames;
+                                  }),
+                   stretches_.end());
+  for (const Stretch& stretch : stretches_) segments_.push_back(makeRigSegment(stretch, rig_));
 }
 
-std::vector<SeenAcross> RigCalibrator::seekIn(const Stretch& stretch) const {
+std::vector<SeenAcross> RigCalibrator::seekIn(const Stretch& stretch,
+                                              const RigSegment& segment) const {
   std::vector<SeenAcross> found;
   const RigViews views{rig_.size()};
-  for (int f = 0; f < stretch.segment.frames(); ++f) {
+  for (int f = 0; f < segment.frames(); ++f) {
     for (int from = 0; from < rig_.size(); ++from) {
-      const Segment& tracks = stretch.segment.tracks[from];
+      const Segment& tracks = segment.tracks[from];
       for (int to = 0; to < rig_.size(); ++to) {
         if (to == from) continue;
         std::vector<ExpectedAcross> expected;
@@ -165,7 +200,7 @@ std::vector<SeenAcross> RigCalibrator::seekIn(const Stretch& stretch) const {
           expected.push_back(*there);
           expected.back().track_id = landmark.track_id;
         }
-        for (SeenAcross& one : across_(stretch.frames[f], from, to, expected)) {
+        for (SeenAcross& one : across_(stretch[f], from, to, expected)) {
           one.frame = f;
           found.push_back(one);
         }
@@ -178,7 +213,7 @@ std::vector<SeenAcross> RigCalibrator::seekIn(const Stretch& stretch) const {
 void RigCalibrator::seekAcross() {
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     removeSeenAcross(&segments_[s]);
-    addSeenAcross(seekIn({stretches_[s], segments_[s]}), &segments_[s]);
+    addSeenAcross(seekIn(stretches_[s], segments_[s]), &segments_[s]);
   }
 }
 
@@ -230,12 +265,9 @@ void RigCalibrator::gate() {
 
 RigEstimate RigCalibrator::estimate() {
   RigEstimate failed;
-  stretches_.clear();
-  segments_.clear();
   failed.sentence = start();
   if (!failed.sentence.empty()) return failed;
-  cutStretches();
-  for (const auto& stretch : stretches_) segments_.push_back(makeRigSegment(stretch, rig_));
+  makeSegments();
   if (!solveRoughly()) {
     failed.sentence = "too few features were followed in all cameras at once";
     return failed;

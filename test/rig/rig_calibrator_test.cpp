@@ -155,6 +155,33 @@ TEST(RigCalibrator, RotationOnTheSpotDoesNotTellThePosition) {
   expectRotation(estimate, rig, 1, 0.5 * kDegree);
 }
 
+TEST(RigCalibrator, KeepsTheStretchesThatTurn) {
+  RigOptions options;
+  options.segment_frames = 10;
+  options.max_frames = 20;
+  RigCalibrator calibrator(options, {lens(400.0, 0.0), lens(400.0, 0.0)}, nullptr);
+  for (int f = 0; f < 1000; ++f) {
+    RigFrame frame;
+    frame.stamp_ns = f;
+    frame.views.resize(2);
+    frame.views[0].world_from_camera = Rigid3();
+    calibrator.add(frame);
+    EXPECT_LE(calibrator.frames(), 20);
+  }
+  EXPECT_GT(calibrator.frames(), 10);
+}
+
+TEST(RigCalibrator, SeveralSegmentsAgree) {
+  const SimulatedRig rig = simulateRig(stereo());
+  RigOptions options;
+  options.segment_frames = 14;
+  const RigEstimate estimate = calibrated(rig, options);
+  ASSERT_TRUE(estimate.usable) << estimate.sentence;
+  EXPECT_EQ(estimate.poses.back().segment, 2);
+  expectRotation(estimate, rig, 1, 0.1 * kDegree);
+  expectDirection(estimate, rig, 1, 1.0 * kDegree);
+}
+
 TEST(RigCalibrator, NothingWithoutFrames) {
   RigCalibrator calibrator({}, {lens(400.0, 0.0), lens(400.0, 0.0)}, nullptr);
   const RigEstimate estimate = calibrator.estimate();

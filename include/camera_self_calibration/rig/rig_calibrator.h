@@ -15,6 +15,7 @@ struct RigOptions {
   double motion_interval_s = 1.0;
   int segment_frames = 60;  ///< Keyframes of a segment at most.
   int min_frames = 8;       ///< A stretch of fewer tells nothing that is worth it.
+  int max_frames = 240;     ///< Kept, with their images: bounds time and memory.
 };
 
 /// Calibrates a rig from the synchronised keyframes of its cameras. Each camera has been calibrated
@@ -28,22 +29,20 @@ class RigCalibrator {
   /// `cameras`: the intrinsics to start from. `across` may be empty: no landmark is shared.
   RigCalibrator(RigOptions options, std::vector<Camera> cameras, FindAcross across);
 
-  /// Keyframes in the order of time, one view for each camera.
-  void add(RigFrame frame) { frames_.push_back(std::move(frame)); }
-  int frames() const { return static_cast<int>(frames_.size()); }
+  /// Keyframes in the order of time, one view for each camera. Where there are too many, the
+  /// stretch of `segment_frames` goes in which the rig turned least.
+  void add(RigFrame frame);
+  int frames() const;
 
   RigEstimate estimate();
 
  private:
-  struct Stretch {
-    std::vector<RigFrame> frames;
-    RigSegment segment;
-  };
+  using Stretch = std::vector<RigFrame>;
 
   std::string start();
-  void cutStretches();
+  void makeSegments();
   void seekAcross();
-  std::vector<SeenAcross> seekIn(const Stretch& stretch) const;
+  std::vector<SeenAcross> seekIn(const Stretch& stretch, const RigSegment& segment) const;
   bool solve();
   bool solveRoughly();
   std::optional<Rig> underOtherLenses() const;
@@ -51,9 +50,8 @@ class RigCalibrator {
 
   RigOptions options_;
   FindAcross across_;
-  std::vector<RigFrame> frames_;
-  std::vector<std::vector<RigFrame>> stretches_;
-  std::vector<RigSegment> segments_;
+  std::vector<Stretch> stretches_;    // each of one map of the first camera
+  std::vector<RigSegment> segments_;  // one for each stretch
   Rig rig_;
 };
 
