@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 #include "camera_self_calibration/base/formatted.h"
@@ -177,6 +178,29 @@ void RigCalibrator::makeSegments() {
                                   }),
                    stretches_.end());
   for (const Stretch& stretch : stretches_) segments_.push_back(makeRigSegment(stretch, rig_));
+  alignScales();
+}
+
+// The start holds in the scale of the map with most frames; what lies around is about as far in
+// all.
+void RigCalibrator::alignScales() {
+  const auto map_of = [](const Stretch& stretch) { return stretch.front().views.front().map_id; };
+  std::map<std::uint64_t, std::size_t> frames;
+  for (const Stretch& stretch : stretches_) frames[map_of(stretch)] += stretch.size();
+  const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  const auto most = std::max_element(frames.begin(), frames.end(), fewer);
+  std::map<std::uint64_t, std::vector<double>> depths;
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    std::vector<double>& of_map = depths[map_of(stretches_[s])];
+    const std::vector<double> more = inverseDepths(segments_[s].tracks.front());
+    of_map.insert(of_map.end(), more.begin(), more.end());
+  }
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    const std::uint64_t map = map_of(stretches_[s]);
+    if (map == most->first) continue;
+    scaleSegment(typicalInverseDepth(depths[map]) / typicalInverseDepth(depths[most->first]),
+                 &segments_[s]);
+  }
 }
 
 std::vector<SeenAcross> RigCalibrator::seekIn(const Stretch& stretch,

@@ -182,6 +182,21 @@ TEST(RigCalibrator, SeveralSegmentsAgree) {
   expectDirection(estimate, rig, 1, 1.0 * kDegree);
 }
 
+// As when the first camera loses its way and begins anew.
+TEST(RigCalibrator, MapsOfDifferentScaleAgree) {
+  SimulatedRig rig = simulateRig(stereo());
+  for (std::size_t f = 25; f < rig.frames.size(); ++f) {
+    RigView& first = rig.frames[f].views.front();
+    first.map_id = 1;
+    first.world_from_camera->translation *= 4.0;
+  }
+  const RigEstimate estimate = calibrated(rig);
+  ASSERT_TRUE(estimate.usable) << estimate.sentence;
+  EXPECT_EQ(estimate.poses.back().segment, 1);
+  expectRotation(estimate, rig, 1, 0.1 * kDegree);
+  expectDirection(estimate, rig, 1, 1.0 * kDegree);
+}
+
 TEST(RigCalibrator, NothingWithoutFrames) {
   RigCalibrator calibrator({}, {lens(400.0, 0.0), lens(400.0, 0.0)}, nullptr);
   const RigEstimate estimate = calibrator.estimate();

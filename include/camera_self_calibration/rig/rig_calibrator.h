@@ -41,6 +41,7 @@ class RigCalibrator {
 
   std::string start();
   void makeSegments();
+  void alignScales();
   void seekAcross();
   std::vector<SeenAcross> seekIn(const Stretch& stretch, const RigSegment& segment) const;
   bool solve();
