@@ -29,7 +29,9 @@ std::optional<std::vector<ImageView>> SynchronisedImages::next() {
     const auto [first, last] = std::minmax_element(waiting_.begin(), waiting_.end(), earlier);
     const std::int64_t gap = (*last)->stamp_ns - (*first)->stamp_ns;
     if (gap > kToleranceNs) {
-      gaps_s_.push_back(1e-9 * static_cast<double>(gap));
+      // An image stands between two of another camera: the nearer one counts.
+      nearest_s_.push_back(1e-9 * static_cast<double>(std::min(gap, last_gap_)));
+      last_gap_ = gap;
       ++unmatched_;
       first->reset();
       continue;
@@ -52,7 +54,7 @@ std::string SynchronisedImages::problem() const {
       "and "
       "1 ms is allowed. Trigger the cameras together, or let their stamps say when they took the "
       "images",
-      1e3 * median(gaps_s_, 0.0));
+      1e3 * median(nearest_s_, 0.0));
 }
 
 }  // namespace camera_self_calibration

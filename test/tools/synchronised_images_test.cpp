@@ -37,7 +37,7 @@ TEST(SynchronisedImages, PairsByStamp) {
 TEST(SynchronisedImages, SaysHowFarApartTheyAre) {
   SynchronisedImages images({source({0, 50, 100, 150}), source({7, 57, 107, 157})});
   EXPECT_FALSE(images.next());
-  EXPECT_NE(images.problem().find("differ by"), std::string::npos) << images.problem();
+  EXPECT_NE(images.problem().find("differ by 7.0 ms"), std::string::npos) << images.problem();
 }
 
 TEST(SynchronisedImages, EndsWithTheShortest) {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,7 +35,8 @@ class SynchronisedImages {
   std::vector<std::optional<ImageView>> waiting_;
   std::int64_t sets_ = 0;
   std::int64_t unmatched_ = 0;
-  std::vector<double> gaps_s_;  // from an image left out to the one it waited for
+  std::int64_t last_gap_ = std::numeric_limits<std::int64_t>::max();  // [ns]
+  std::vector<double> nearest_s_;  // from an image left out to the nearest of another camera
 };
 
 }  // namespace camera_self_calibration
