@@ -6,29 +6,16 @@
 #include <limits>
 #include <map>
 
-#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/geometry/so3.h"
+#include "robust_weights.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kRounds = 10;           // of reweighting
-constexpr double kMadToSigma = 1.48;  // of normal errors in one dimension
-constexpr double kHuber = 1.5;        // [sigmas]
-
-// Weights of residuals by their robust scale, which is returned.
-double reweight(const std::vector<double>& residuals, std::vector<double>* weights) {
-  const double sigma = std::max(1e-12, kMadToSigma * median(residuals, 0.0));
-  for (std::size_t i = 0; i < residuals.size(); ++i) {
-    (*weights)[i] = std::min(1.0, kHuber * sigma / std::max(residuals[i], 1e-300));
-  }
-  return sigma;
-}
-
 void solveRotation(const std::vector<MotionPair>& motions, HandEye* result) {
   std::vector<double> weights(motions.size(), 1.0);
   std::vector<double> residuals(motions.size());
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kReweightingRounds; ++round) {
     Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
     Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
     for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -58,7 +45,7 @@ void solvePosition(const std::vector<MotionPair>& motions, HandEye* result) {
     a.col(3) = -(result->rotation * motion.camera.translation);
     return a;
   };
-  for (int round = 0; round < kRounds; ++round) {
+  for (int round = 0; round < kReweightingRounds; ++round) {
     Eigen::Matrix4d normal = Eigen::Matrix4d::Zero();
     Eigen::Vector4d right = Eigen::Vector4d::Zero();
     for (std::size_t i = 0; i < motions.size(); ++i) {

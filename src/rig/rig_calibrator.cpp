@@ -22,7 +22,8 @@ namespace {
 constexpr double kMaxStartSigma = 5.0 * M_PI / 180.0;
 constexpr double kBorder = 12.0;  // [px] What a patch needs around it.
 constexpr double kStep = 2.0;     // [px] For the warp from one image to the other.
-constexpr int kRounds = 2;        // of seeking landmarks across cameras
+constexpr std::size_t kMaxRotations = 5000;
+constexpr int kRounds = 2;  // of seeking landmarks across cameras
 // RigSolveOptions::tolerance of all solutions but the last.
 constexpr double kRoughTolerance = 1e-4;
 
@@ -127,6 +128,7 @@ double leastTurn(const std::vector<RigFrame>& stretch) {
 RigCalibrator::RigCalibrator(RigOptions options, std::vector<Camera> cameras, FindAcross across)
     : options_(std::move(options)), across_(std::move(across)) {
   rig_.rig_from_camera.resize(cameras.size());
+  rotations_.resize(cameras.size());
   rig_.cameras = std::move(cameras);
 }
 
@@ -143,6 +145,37 @@ void RigCalibrator::add(RigFrame frame) {
     return leastTurn(a) < leastTurn(b);
   };
   stretches_.erase(std::min_element(stretches_.begin(), stretches_.end() - 1, turns_less));
+}
+
+void RigCalibrator::observe(const RigFrame& frame) {
+  const RigView& first = frame.views.front();
+  if (!first.world_from_camera) return;
+  for (std::size_t c = 1; c < frame.views.size(); ++c) {
+    const RigView& view = frame.views[c];
+    if (!view.world_from_camera) continue;
+    // The newest are enough, and bound the memory.
+    if (rotations_[c].size() >= kMaxRotations) rotations_[c].erase(rotations_[c].begin());
+    rotations_[c].push_back({frame.stamp_ns, first.map_id, view.map_id,
+                             first.world_from_camera->rotation, view.world_from_camera->rotation});
+  }
+}
+
+// Images that are not taken when their stamps say bend all else: what is found then is not
+// believed.
+void RigCalibrator::judgeClocks(RigEstimate* estimate) const {
+  for (int c = 1; c < rig_.size(); ++c) {
+    const TimeOffset offset = timeOffset(rotations_[c]);
+    estimate->places[c].time_offset = offset;
+    if (!offset.harms()) continue;
+    estimate->converged = false;
+    estimate->sentence += formatted(
+        " The images of camera %d are taken %.1f ms (sigma %.1f) %s those of camera 0 with the "
+        "same "
+        "stamps.",
+        c, 1e3 * std::abs(offset.seconds), 1e3 * offset.sigma,
+        offset.seconds > 0.0 ? "after" : "before");
+    estimate->hint = "trigger the cameras together, or correct the stamps";
+  }
 }
 
 int RigCalibrator::frames() const {
@@ -309,8 +342,10 @@ RigEstimate RigCalibrator::estimate() {
     failed.sentence = "motion and features do not tell the rig";
     return failed;
   }
-  return describeRig(rig_, RigLayout(rig_, options_.solve), *covariance, underOtherLenses(),
-                     options_.baseline_m, &segments_);
+  RigEstimate estimate = describeRig(rig_, RigLayout(rig_, options_.solve), *covariance,
+                                     underOtherLenses(), options_.baseline_m, &segments_);
+  judgeClocks(&estimate);
+  return estimate;
 }
 
 }  // namespace camera_self_calibration

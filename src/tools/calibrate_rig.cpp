@@ -84,6 +84,7 @@ void follow(const Options& options, const std::function<bool()>& stop, Synchroni
       frame.stamp_ns = result.stamp_ns;
       if (result.state == TrackingState::kTracking) way->push_back(poseOf(result));
     }
+    calibrator->observe(frame);
     const bool keyframe = keyframes.add(calls);
     if (keyframe && !way->empty() && way->back().stamp_ns == frame.stamp_ns) {
       way->back().is_keyframe = true;

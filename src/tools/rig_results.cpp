@@ -48,6 +48,8 @@ std::string placeJson(const RigRecording& recording, int c) {
               : "null"},
        {"direction_sigma_deg",
         known && c > 0 ? json::number(place.directionSigma(t) / kDegree) : "null"},
+       {"time_offset_s", c > 0 ? json::number(place.time_offset.seconds) : "null"},
+       {"time_offset_sigma_s", c > 0 ? json::number(place.time_offset.sigma) : "null"},
        {"shared_landmarks", json::number(static_cast<std::int64_t>(place.shared_landmarks))}});
 }
 

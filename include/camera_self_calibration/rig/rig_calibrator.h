@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/rig/across_images.h"
 #include "camera_self_calibration/rig/rig_estimate.h"
+#include "camera_self_calibration/rig/time_offset.h"
 
 namespace camera_self_calibration {
 
@@ -32,6 +33,9 @@ class RigCalibrator {
   /// Keyframes in the order of time, one view for each camera. Where there are too many, the
   /// stretch of `segment_frames` goes in which the rig turned least.
   void add(RigFrame frame);
+  /// All images, keyframes or not, with poses: whether the cameras' clocks agree. Tracks and images
+  /// of `frame` are not kept.
+  void observe(const RigFrame& frame);
   int frames() const;
 
   RigEstimate estimate();
@@ -40,6 +44,7 @@ class RigCalibrator {
   using Stretch = std::vector<RigFrame>;
 
   std::string start();
+  void judgeClocks(RigEstimate* estimate) const;
   void makeSegments();
   void alignScales();
   void seekAcross();
@@ -51,8 +56,9 @@ class RigCalibrator {
 
   RigOptions options_;
   FindAcross across_;
-  std::vector<Stretch> stretches_;    // each of one map of the first camera
-  std::vector<RigSegment> segments_;  // one for each stretch
+  std::vector<Stretch> stretches_;                    // each of one map of the first camera
+  std::vector<RigSegment> segments_;                  // one for each stretch
+  std::vector<std::vector<RotationPair>> rotations_;  // of each camera against the first
   Rig rig_;
 };
 

@@ -10,6 +10,7 @@
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/rig/rig.h"
 #include "camera_self_calibration/rig/rig_solver.h"
+#include "camera_self_calibration/rig/time_offset.h"
 
 namespace camera_self_calibration {
 
@@ -22,6 +23,7 @@ struct PlaceInRig {
   /// Of the position, in the unit of the positions; of a camera whose distance is the unit or
   /// given, of its direction alone.
   Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero();
+  TimeOffset time_offset;    ///< Of its images.
   int shared_landmarks = 0;  ///< Of its tracks, those that another camera sees too.
 
   /// 1 sigma about the axis that is known least [rad].
