@@ -170,8 +170,7 @@ void RigCalibrator::judgeClocks(RigEstimate* estimate) const {
     estimate->converged = false;
     estimate->sentence += formatted(
         " The images of camera %d are taken %.1f ms (sigma %.1f) %s those of camera 0 with the "
-        "same "
-        "stamps.",
+        "same stamps.",
         c, 1e3 * std::abs(offset.seconds), 1e3 * offset.sigma,
         offset.seconds > 0.0 ? "after" : "before");
     estimate->hint = "trigger the cameras together, or correct the stamps";
@@ -205,12 +204,12 @@ std::string RigCalibrator::start() {
 
 void RigCalibrator::makeSegments() {
   segments_.clear();
-  stretches_.erase(std::remove_if(stretches_.begin(), stretches_.end(),
-                                  [this](const Stretch& stretch) {
-                                    return static_cast<int>(stretch.size()) < options_.min_frames;
-                                  }),
-                   stretches_.end());
-  for (const Stretch& stretch : stretches_) segments_.push_back(makeRigSegment(stretch, rig_));
+  used_.clear();
+  for (const Stretch& stretch : stretches_) {
+    if (static_cast<int>(stretch.size()) < options_.min_frames) continue;
+    used_.push_back(stretch);
+    segments_.push_back(makeRigSegment(stretch, rig_));
+  }
   alignScales();
 }
 
@@ -219,45 +218,51 @@ void RigCalibrator::makeSegments() {
 void RigCalibrator::alignScales() {
   const auto map_of = [](const Stretch& stretch) { return stretch.front().views.front().map_id; };
   std::map<std::uint64_t, std::size_t> frames;
-  for (const Stretch& stretch : stretches_) frames[map_of(stretch)] += stretch.size();
+  for (const Stretch& stretch : used_) frames[map_of(stretch)] += stretch.size();
   const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
   const auto most = std::max_element(frames.begin(), frames.end(), fewer);
   std::map<std::uint64_t, std::vector<double>> depths;
   for (std::size_t s = 0; s < segments_.size(); ++s) {
-    std::vector<double>& of_map = depths[map_of(stretches_[s])];
+    std::vector<double>& of_map = depths[map_of(used_[s])];
     const std::vector<double> more = inverseDepths(segments_[s].tracks.front());
     of_map.insert(of_map.end(), more.begin(), more.end());
   }
   for (std::size_t s = 0; s < segments_.size(); ++s) {
-    const std::uint64_t map = map_of(stretches_[s]);
+    const std::uint64_t map = map_of(used_[s]);
     if (map == most->first) continue;
     scaleSegment(typicalInverseDepth(depths[map]) / typicalInverseDepth(depths[most->first]),
                  &segments_[s]);
   }
 }
 
+// Where `to` should see the landmarks that `from` sees in a frame.
+std::vector<ExpectedAcross> RigCalibrator::expectedIn(const RigSegment& segment, int frame,
+                                                      int from, int to) const {
+  std::vector<ExpectedAcross> expected;
+  const Segment& tracks = segment.tracks[from];
+  const int view = RigViews{rig_.size()}.index(frame, from);
+  for (const Observation& seen : tracks.observations) {
+    if (seen.keyframe != view) continue;
+    const Landmark& landmark = tracks.landmarks[seen.landmark];
+    const double inverse_depth = transferInverseDepth(
+        tracks.keyframes[landmark.reference].world_from_camera, landmark.bearing,
+        landmark.inverse_depth, tracks.keyframes[view].world_from_camera);
+    const auto there = expect({rig_, from, to}, seen, inverse_depth);
+    if (!there) continue;
+    expected.push_back(*there);
+    expected.back().track_id = landmark.track_id;
+  }
+  return expected;
+}
+
 std::vector<SeenAcross> RigCalibrator::seekIn(const Stretch& stretch,
                                               const RigSegment& segment) const {
   std::vector<SeenAcross> found;
-  const RigViews views{rig_.size()};
   for (int f = 0; f < segment.frames(); ++f) {
     for (int from = 0; from < rig_.size(); ++from) {
-      const Segment& tracks = segment.tracks[from];
       for (int to = 0; to < rig_.size(); ++to) {
         if (to == from) continue;
-        std::vector<ExpectedAcross> expected;
-        for (const Observation& seen : tracks.observations) {
-          if (seen.keyframe != views.index(f, from)) continue;
-          const Landmark& landmark = tracks.landmarks[seen.landmark];
-          const double inverse_depth = transferInverseDepth(
-              tracks.keyframes[landmark.reference].world_from_camera, landmark.bearing,
-              landmark.inverse_depth, tracks.keyframes[seen.keyframe].world_from_camera);
-          const auto there = expect({rig_, from, to}, seen, inverse_depth);
-          if (!there) continue;
-          expected.push_back(*there);
-          expected.back().track_id = landmark.track_id;
-        }
-        for (SeenAcross& one : across_(stretch[f], from, to, expected)) {
+        for (SeenAcross& one : across_(stretch[f], from, to, expectedIn(segment, f, from, to))) {
           one.frame = f;
           found.push_back(one);
         }
@@ -270,17 +275,17 @@ std::vector<SeenAcross> RigCalibrator::seekIn(const Stretch& stretch,
 void RigCalibrator::seekAcross() {
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     removeSeenAcross(&segments_[s]);
-    addSeenAcross(seekIn(stretches_[s], segments_[s]), &segments_[s]);
+    addSeenAcross(seekIn(used_[s], segments_[s]), &segments_[s]);
   }
 }
 
-bool RigCalibrator::solve() { return solveRig(options_.solve, &segments_, &rig_).usable; }
+bool RigCalibrator::solve() { return solveRig(options_.solve, &segments_, &rig_); }
 
 // Before gates and searches: which features do not fit shows well before the solution has settled.
 bool RigCalibrator::solveRoughly() {
   RigSolveOptions rough = options_.solve;
   rough.tolerance = std::max(rough.tolerance, kRoughTolerance);
-  return solveRig(rough, &segments_, &rig_).usable;
+  return solveRig(rough, &segments_, &rig_);
 }
 
 // What other lens models say of the rig, if these explain the tracks as well and are as near as is
@@ -299,7 +304,7 @@ std::optional<Rig> RigCalibrator::underOtherLenses() const {
   }
   RigSolveOptions rough = options_.solve;
   rough.tolerance = std::max(rough.tolerance, kRoughTolerance);
-  if (!solveRig(rough, &segments, &other).usable) return std::nullopt;
+  if (!solveRig(rough, &segments, &other)) return std::nullopt;
   std::vector<RigSegment> own = segments_;
   for (int c = 0; c < rig_.size(); ++c) {
     const double limit = rig_.cameras[c].width() / 640.0;

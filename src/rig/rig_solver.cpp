@@ -46,24 +46,20 @@ RigLayout::RigLayout(const Rig& rig, const RigSolveOptions& options) {
   }
 }
 
-RigSolveSummary solveRig(const RigSolveOptions& options, std::vector<RigSegment>* segments,
-                         Rig* rig) {
-  RigSolveSummary summary;
+bool solveRig(const RigSolveOptions& options, std::vector<RigSegment>* segments, Rig* rig) {
   RigProblem problem(options, segments, rig);
-  if (problem.empty()) return summary;
+  if (problem.empty()) return false;
   ceres::Solver::Options solver;
   solver.max_num_iterations = options.max_iterations;
   solver.num_threads = std::max(1, options.threads);
   solver.linear_solver_type = ceres::SPARSE_SCHUR;
   solver.function_tolerance = options.tolerance;
   solver.logging_type = ceres::SILENT;
-  ceres::Solver::Summary ceres_summary;
-  ceres::Solve(solver, problem.problem(), &ceres_summary);
-  summary.usable = ceres_summary.IsSolutionUsable();
-  if (summary.usable) problem.takeOver();
-  summary.cost = ceres_summary.final_cost;
-  summary.iterations = ceres_summary.num_successful_steps + ceres_summary.num_unsuccessful_steps;
-  return summary;
+  ceres::Solver::Summary summary;
+  ceres::Solve(solver, problem.problem(), &summary);
+  if (!summary.IsSolutionUsable()) return false;
+  problem.takeOver();
+  return true;
 }
 
 std::optional<Eigen::MatrixXd> rigCovariance(const RigSolveOptions& options,

@@ -48,6 +48,8 @@ class RigCalibrator {
   void makeSegments();
   void alignScales();
   void seekAcross();
+  std::vector<ExpectedAcross> expectedIn(const RigSegment& segment, int frame, int from,
+                                         int to) const;
   std::vector<SeenAcross> seekIn(const Stretch& stretch, const RigSegment& segment) const;
   bool solve();
   bool solveRoughly();
@@ -57,7 +59,8 @@ class RigCalibrator {
   RigOptions options_;
   FindAcross across_;
   std::vector<Stretch> stretches_;                    // each of one map of the first camera
-  std::vector<RigSegment> segments_;                  // one for each stretch
+  std::vector<Stretch> used_;                         // those that are long enough
+  std::vector<RigSegment> segments_;                  // one for each of them
   std::vector<std::vector<RotationPair>> rotations_;  // of each camera against the first
   Rig rig_;
 };

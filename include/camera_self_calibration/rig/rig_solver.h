@@ -24,20 +24,13 @@ inline bool held(const RigSolveOptions& options, int camera) {
   return index < options.hold_intrinsics.size() && options.hold_intrinsics[index];
 }
 
-struct RigSolveSummary {
-  bool usable = false;  ///< There were observations, and the cost did not grow.
-  double cost = 0.0;    ///< Half the robust sum of squares of the whitened residuals.
-  int iterations = 0;
-};
-
 /// Minimises eq. (3) jointly over the poses of the rig, all landmarks, the intrinsics of each
 /// camera and the poses of all cameras but the first in the rig: eq. (2) with `world_from_camera =
 /// world_from_rig * rig_from_camera`. Each segment keeps its first pose, and the first segment the
 /// distance between its first frame and the one farthest from it: the gauge of an unknown scale,
 /// which the cameras' distances carry over to all other segments. A camera alone is the case of
-/// one.
-RigSolveSummary solveRig(const RigSolveOptions& options, std::vector<RigSegment>* segments,
-                         Rig* rig);
+/// one. False, and nothing changed, where there are no observations or Ceres gives up.
+bool solveRig(const RigSolveOptions& options, std::vector<RigSegment>* segments, Rig* rig);
 
 /// Where the variables of a rig stand in a covariance: of each camera but the first the rotation
 /// vector (in the rig's frame [rad]) and the position in the rig; then the estimated intrinsics of
