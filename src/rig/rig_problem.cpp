@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/reference/constraint.h"
 
 namespace camera_self_calibration {
@@ -25,6 +26,16 @@ struct PoseList {
     return static_cast<int>(blocks.size() / 2) - 1;
   }
 };
+
+// Of each frame, by all cameras.
+std::vector<double> observationsOf(const RigSegment& segment) {
+  std::vector<double> counts(static_cast<std::size_t>(segment.frames()), 0.0);
+  const RigViews views{static_cast<int>(segment.tracks.size())};
+  for (const Segment& tracks : segment.tracks) {
+    for (const Observation& seen : tracks.observations) counts[views.frame(seen.keyframe)] += 1.0;
+  }
+  return counts;
+}
 
 }  // namespace
 
@@ -98,14 +109,22 @@ void RigProblem::holdFirst(RigSegment* segment) {
   }
 }
 
+// A frame in which little is seen may stand anywhere, and would hold nothing.
 void RigProblem::holdScale(RigSegment* segment) {
-  const auto farthest = std::max_element(
-      segment->world_from_rig.begin(), segment->world_from_rig.end(),
-      [](const Rigid3& a, const Rigid3& b) { return a.translation.norm() < b.translation.norm(); });
-  if (farthest == segment->world_from_rig.end() || !(farthest->translation.norm() > 0.0)) return;
-  double* position = positionOf(&*farthest);
+  const std::vector<double> seen = observationsOf(*segment);
+  const double enough = 0.5 * median(seen, 0.0);
+  Rigid3* farthest = nullptr;
+  for (std::size_t k = 1; k < seen.size(); ++k) {
+    Rigid3& pose = segment->world_from_rig[k];
+    if (seen[k] < enough || !problem_.HasParameterBlock(positionOf(&pose))) continue;
+    if (farthest == nullptr || pose.translation.norm() > farthest->translation.norm()) {
+      farthest = &pose;
+    }
+  }
   // Keeps the vector's length, whatever it is.
-  if (problem_.HasParameterBlock(position)) keepUnitVector(&problem_, position);
+  if (farthest != nullptr && farthest->translation.norm() > 0.0) {
+    keepUnitVector(&problem_, positionOf(farthest));
+  }
 }
 
 void RigProblem::constrainRig() {

@@ -27,9 +27,10 @@ inline bool held(const RigSolveOptions& options, int camera) {
 /// Minimises eq. (3) jointly over the poses of the rig, all landmarks, the intrinsics of each
 /// camera and the poses of all cameras but the first in the rig: eq. (2) with `world_from_camera =
 /// world_from_rig * rig_from_camera`. Each segment keeps its first pose, and the first segment the
-/// distance between its first frame and the one farthest from it: the gauge of an unknown scale,
-/// which the cameras' distances carry over to all other segments. A camera alone is the case of
-/// one. False, and nothing changed, where there are no observations or Ceres gives up.
+/// distance between its first frame and the one farthest from it (of those that see enough): the
+/// gauge of an unknown scale, which the cameras' distances carry over to all other segments. A
+/// camera alone is the case of one. False, and nothing changed, where there are no observations or
+/// Ceres gives up.
 bool solveRig(const RigSolveOptions& options, std::vector<RigSegment>* segments, Rig* rig);
 
 /// Where the variables of a rig stand in a covariance: of each camera but the first the rotation
