@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <numeric>
 
+#include "camera_self_calibration/reference/constraint.h"
 #include "camera_self_calibration/reference/residuals.h"
-#include "constraint.h"
 
 namespace camera_self_calibration {
 

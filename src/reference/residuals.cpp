@@ -2,12 +2,11 @@
 
 #include <Eigen/Geometry>
 
-#include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/reference/rotation_derivative.h"
 
 namespace camera_self_calibration {
 namespace {
 
-using Matrix34d = Eigen::Matrix<double, 3, 4>;
 using Vector3Map = Eigen::Map<const Eigen::Vector3d>;
 using QuaternionMap = Eigen::Map<const Eigen::Quaterniond>;
 
@@ -18,17 +17,6 @@ void write(const Eigen::MatrixBase<Derived>& d, double* block) {
   for (int row = 0; row < 2; ++row) {
     for (int column = 0; column < d.cols(); ++column) *block++ = d(row, column);
   }
-}
-
-// d (R(q) v) / d q for q = (u, w): R(q) v = v + 2 w u x v + 2 u x (u x v), whose last term is
-// 2 (u (u.v) - v (u.u)).
-Matrix34d rotationDerivative(const Eigen::Quaterniond& q, const Eigen::Vector3d& v) {
-  const Eigen::Vector3d u = q.vec();
-  Matrix34d d;
-  d.leftCols<3>() = -2.0 * q.w() * skew(v) + 2.0 * (u.dot(v) * Eigen::Matrix3d::Identity() +
-                                                    u * v.transpose() - 2.0 * v * u.transpose());
-  d.col(3) = 2.0 * u.cross(v);
-  return d;
 }
 
 // d (R(q)^T v) / d q: the conjugate has the vector part -u.

@@ -1,5 +1,6 @@
 // Calibrates a camera from stored images: the program calibrate_bag.
 
+#include <algorithm>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include "camera_self_calibration/tools/interruption.h"
 #include "camera_self_calibration/tools/report_html.h"
 #include "camera_self_calibration/tools/report_text.h"
+#include "camera_self_calibration/tools/rig_results.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
 #include "command_line.h"
 
@@ -76,7 +78,22 @@ void writeState(const CalibrateBagArguments& arguments, const std::string& camer
             << (recording.complete ? "the bag did not determine the lens" : kPartial) << '\n';
 }
 
+int runRig(const CalibrateBagArguments& arguments) {
+  if (!arguments.out.empty()) std::filesystem::create_directories(arguments.out);
+  const RigRecording recording = calibrateRig(arguments.source, arguments.topics, arguments.options,
+                                              arguments.baseline_m, interrupted);
+  std::cout << rigText(recording) << rigTrajectoryText(recording, arguments.ground_truth);
+  if (!arguments.out.empty()) {
+    for (const std::string& note : writeRig(arguments.out, recording)) std::cout << note << '\n';
+  }
+  if (!recording.complete) return kInterrupted;
+  const auto empty = [](const Recording& camera) { return camera.frames == 0; };
+  if (std::any_of(recording.cameras.begin(), recording.cameras.end(), empty)) return kNoImages;
+  return recording.converged() ? kConverged : kNotConverged;
+}
+
 int run(const CalibrateBagArguments& arguments) {
+  if (!arguments.topics.empty()) return runRig(arguments);
   ImageSource source = openImages(arguments.source);
   const std::string camera = arguments.camera.empty() ? source.name : arguments.camera;
   if (!arguments.state_out.empty() && !arguments.overwrite) {

@@ -20,6 +20,7 @@ constexpr const char* kUsage =
     "Calibrates a camera from a bag, a folder of images or a video, without a ROS master.\n"
     "\n"
     "  calibrate_bag BAG|FOLDER|VIDEO [--model fov] [--out DIR] [options]\n"
+    "  calibrate_bag BAG --topics A B [...] [--baseline METERS] [--out DIR]: cameras of a rig\n"
     "\n"
     "Exit code: 0 converged, 2 ran but did not converge, 1 error, 3 no images,\n"
     "4 interrupted (Ctrl-C, SIGTERM): what is known so far is written and marked as partial.\n"
@@ -34,6 +35,10 @@ po::options_description description(CalibrateBagArguments* arguments) {
     ("help,h", "this text")
     ("input", po::value(&source.path), "bag, folder of images or video file")
     ("topic", po::value(&source.topic), "image topic of the bag; needed if it has several")
+    ("topics", po::value(&arguments->topics)->multitoken(),
+     "image topics of the cameras of a rig, two to six: calibrates all, and where they sit")
+    ("baseline", po::value<double>(),
+     "distance between the first two cameras of a rig [m]: makes all lengths metric")
     ("model", po::value<std::string>(),
      "pinhole | fov | radtan (plumb_bob) | equidistant | auto (the simplest that describes the lens, "
      "starting with that of --initial or pinhole); default: auto")
@@ -175,6 +180,31 @@ void readAudited(const po::variables_map& given, CalibrateExtras* extras) {
   }
 }
 
+/// What a rig has no answer to is refused rather than ignored.
+void readRig(const po::variables_map& given, CalibrateBagArguments* arguments) {
+  if (given.count("baseline") > 0) arguments->baseline_m = given["baseline"].as<double>();
+  const std::size_t cameras = arguments->topics.size();
+  if (cameras == 0) {
+    if (!arguments->baseline_m) return;
+    throw std::runtime_error("--baseline is the distance between two cameras: give --topics A B");
+  }
+  if (cameras < 2 || cameras > 6) {
+    throw std::runtime_error("--topics needs the image topics of two to six cameras");
+  }
+  if (arguments->baseline_m && !(*arguments->baseline_m > 0.0)) {
+    throw std::runtime_error("--baseline must be a positive number of metres");
+  }
+  for (const char* option :
+       {"topic", "state-out", "camera", "initial", "reference-calibration", "audit"}) {
+    if (given.count(option) == 0) continue;
+    throw std::runtime_error(std::string("--") + option + " is for one camera; leave it out, or " +
+                             "leave out --topics");
+  }
+  if (arguments->report || arguments->extras.batch) {
+    throw std::runtime_error("--report and --batch are for one camera; leave out --topics");
+  }
+}
+
 void readComparisons(const po::variables_map& given, CalibrateBagArguments* arguments) {
   if (given.count("reference-calibration") > 0) {
     arguments->extras.reference =
@@ -211,6 +241,7 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
   }
   readComparisons(given, &arguments);
   arguments.extras.example = arguments.report;
+  readRig(given, &arguments);
   checkOptions(arguments.options);
   return arguments;
 }

@@ -68,9 +68,10 @@ StoredCalibration parseKalibr(const std::string& text, const std::string& wanted
   return {name, makeCamera(model, size[0], size[1], values)};
 }
 
-std::string kalibrText(const Camera& camera, const CalibrationLabels& labels) {
+std::string kalibrText(const Camera& camera, const CalibrationLabels& labels,
+                       const std::string& name) {
   const Intrinsics& p = camera.parameters();
-  return "cam0:\n  camera_model: pinhole\n  intrinsics: [" + listText(p, 0, 4) +
+  return name + ":\n  camera_model: pinhole\n  intrinsics: [" + listText(p, 0, 4) +
          "]\n  distortion_model: " + distortionName(camera.model()) + "\n  distortion_coeffs: [" +
          listText(p, 4, p.size() - 4) + "]\n  resolution: [" + std::to_string(camera.width()) +
          ", " + std::to_string(camera.height()) + "]\n  rostopic: " + labels.topic + "\n";

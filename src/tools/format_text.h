@@ -39,7 +39,9 @@ StoredCalibration parseVins(const std::string& text);
 
 std::string rosText(const Camera& camera, const CalibrationLabels& labels);
 std::string plainText(const Camera& camera);
-std::string kalibrText(const Camera& camera, const CalibrationLabels& labels);
+/// One camera of a camchain, by its name there.
+std::string kalibrText(const Camera& camera, const CalibrationLabels& labels,
+                       const std::string& name = "cam0");
 std::string openCvText(const Camera& camera);
 std::string colmapText(const Camera& camera);
 std::string orbSlam3Text(const Camera& camera, const CalibrationLabels& labels);

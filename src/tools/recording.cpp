@@ -121,20 +121,12 @@ void writePose(const TimedPose& pose, std::ostream& file) {
        << ' ' << t.z() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
 }
 
-/// TUM format, world_from_camera. The poses of different maps do not belong together, which a
-/// comment line tells.
 void writeTrajectory(const Recording& recording, bool keyframes_only, std::ostream& file) {
-  if (!recording.complete) file << "# " << kPartial << '\n';
-  file << "# t[s] tx ty tz [map units: the scale is arbitrary] qx qy qz qw\n";
-  bool any = false;
-  std::uint64_t map_id = 0;
+  std::vector<TimedPose> poses;
   for (const TimedPose& pose : recording.poses) {
-    if (keyframes_only && !pose.is_keyframe) continue;
-    if (!any || pose.map_id != map_id) file << "# map " << pose.map_id << '\n';
-    any = true;
-    map_id = pose.map_id;
-    writePose(pose, file);
+    if (pose.is_keyframe || !keyframes_only) poses.push_back(pose);
   }
+  writeTrajectory(poses, recording.complete, "map units: the scale is arbitrary", file);
 }
 
 void writeCsvHeader(const Camera& camera, std::ostream& file) {
@@ -202,6 +194,20 @@ std::vector<std::string> writeCalibrations(const fs::path& folder, const std::st
 }
 
 }  // namespace
+
+void writeTrajectory(const std::vector<TimedPose>& poses, bool complete, const std::string& unit,
+                     std::ostream& file) {
+  if (!complete) file << "# " << kPartial << '\n';
+  file << "# t[s] tx ty tz [" << unit << "] qx qy qz qw\n";
+  bool any = false;
+  std::uint64_t map_id = 0;
+  for (const TimedPose& pose : poses) {
+    if (!any || pose.map_id != map_id) file << "# map " << pose.map_id << '\n';
+    any = true;
+    map_id = pose.map_id;
+    writePose(pose, file);
+  }
+}
 
 std::string summaryJson(const Recording& recording, const std::vector<json::Member>& extra) {
   const CalibrationReport& report = recording.final_report;

@@ -21,6 +21,7 @@ struct Keyframe {
   /// Between image rows: that of the rolling shutter that its pixels are freed of; 0: as seen [s].
   double row_time_s = 0.0;
   std::uint64_t calibration_generation = 0;  ///< Of the intrinsics its pose was estimated with.
+  int camera = 0;                            ///< Which of Segment::cameras took it.
 };
 
 /// What a rolling shutter did to a pixel.
@@ -64,12 +65,15 @@ struct Segment {
   /// it: known, and held. Null: there was no change.
   std::shared_ptr<const Camera> earlier_camera;
   int earlier_keyframes = 0;
+  /// Of a rig, whose keyframes are the images of several cameras; empty: all are of one camera.
+  std::vector<Camera> cameras;
 
   /// Whether a keyframe was taken before the change.
   bool isEarlier(int keyframe) const { return earlier_camera && keyframe < earlier_keyframes; }
   /// The intrinsics that a keyframe was taken with; `present` where they did not change.
   const Camera& cameraOf(int keyframe, const Camera& present) const {
-    return isEarlier(keyframe) ? *earlier_camera : present;
+    if (isEarlier(keyframe)) return *earlier_camera;
+    return cameras.empty() ? present : cameras[keyframes[keyframe].camera];
   }
 
   std::int64_t beginNs() const { return keyframes.empty() ? 0 : keyframes.front().stamp_ns; }

@@ -15,10 +15,12 @@ namespace camera_self_calibration {
 struct CalibrateBagArguments {
   SourceOptions source;
   Options options;
-  std::string out;         ///< Folder for the results; empty: none are written.
-  std::string state_out;   ///< File for what was learnt; empty: none is written.
-  std::string camera;      ///< Name of the camera in it; empty: the topic, folder or file.
-  bool overwrite = false;  ///< `state_out`, whatever it holds.
+  std::string out;                  ///< Folder for the results; empty: none are written.
+  std::string state_out;            ///< File for what was learnt; empty: none is written.
+  std::string camera;               ///< Name of the camera in it; empty: the topic, folder or file.
+  bool overwrite = false;           ///< `state_out`, whatever it holds.
+  std::vector<std::string> topics;  ///< Of a rig: one for each camera; empty: there is one camera.
+  std::optional<double> baseline_m;  ///< Between the first two cameras of a rig [m].
   CalibrateExtras extras;
   std::vector<StampedCameraPose> ground_truth;  ///< Empty: none was given.
   bool report = false;                          ///< report.html goes into the folder.

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -48,6 +49,11 @@ struct Recording {
   std::vector<TimedPose> reference_poses;  ///< Of a second run that held it.
   BatchComparison batch;                   ///< Empty if not asked for.
 };
+
+/// TUM format, world_from_camera. The poses of different maps do not belong together, which a
+/// comment line tells. `unit` is that of the positions, in words.
+void writeTrajectory(const std::vector<TimedPose>& poses, bool complete, const std::string& unit,
+                     std::ostream& file);
 
 /// The text of summary.json, the same for the same input but for the time that the run took,
 /// `processing_seconds` and `frames_per_second`. `extra` members come last.

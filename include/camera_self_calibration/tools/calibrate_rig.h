@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "camera_self_calibration/rig/rig_estimate.h"
+#include "camera_self_calibration/tools/calibrate.h"
+#include "camera_self_calibration/tools/recording.h"
+
+namespace camera_self_calibration {
+
+/// What a run over the images of several cameras leaves behind.
+struct RigRecording {
+  std::vector<std::string> topics;  ///< As found in the bag, one for each camera.
+  std::vector<Recording> cameras;  ///< Each camera's own run; with the joint intrinsics, if usable.
+  RigEstimate estimate;            ///< Not usable: its sentence says why.
+  std::vector<TimedPose> poses;    ///< Of the rig in each image; empty without an estimate.
+  bool complete = true;            ///< False: stopped before the last image.
+
+  /// Whether each camera and the rig as a whole have converged.
+  bool converged() const;
+};
+
+/// Calibrates the cameras of a bag one by one, as calibrate() does, then follows all of them
+/// together with these intrinsics held, and solves for the rig. Throws as calibrate(), and where an
+/// image topic is missing.
+RigRecording calibrateRig(const SourceOptions& source, const std::vector<std::string>& topics,
+                          const Options& options, std::optional<double> baseline_m,
+                          const std::function<bool()>& stop);
+
+}  // namespace camera_self_calibration

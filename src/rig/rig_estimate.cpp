@@ -1,0 +1,163 @@
+#include "camera_self_calibration/rig/rig_estimate.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/geometry/so3.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+// Sigmas from zero at which a distance counts as seen.
+constexpr double kSignificant = 3.0;
+
+double largestSigma(const Eigen::Matrix3d& covariance) {
+  return std::sqrt(
+      std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()(2)));
+}
+
+// Of t_c / |t_1|, from that of the positions as they are: what is common to both, the scale, drops
+// out.
+Eigen::Matrix3d relativeCovariance(const Rig& rig, const RigLayout& layout, int c,
+                                   const Eigen::MatrixXd& covariance) {
+  const Eigen::Vector3d& unit = rig.rig_from_camera[1].translation;
+  const double length = unit.norm();
+  Eigen::Matrix<double, 3, Eigen::Dynamic> j =
+      Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, covariance.cols());
+  j.middleCols<3>(layout.pose_at[c] + 3) += Eigen::Matrix3d::Identity() / length;
+  j.middleCols<3>(layout.pose_at[1] + 3) -=
+      rig.rig_from_camera[c].translation * unit.transpose() / (length * length * length);
+  return j * covariance * j.transpose();
+}
+
+// What another lens model says differently is one sigma.
+void addDoubt(const Rig& rig, const Rig& other, double unit, std::vector<PlaceInRig>* places) {
+  const auto relative = [](const Rig& of, int c) {
+    return Eigen::Vector3d(of.rig_from_camera[c].translation /
+                           of.rig_from_camera[1].translation.norm());
+  };
+  for (int c = 1; c < rig.size(); ++c) {
+    const Eigen::Vector3d turn =
+        logSo3(other.rig_from_camera[c].rotation * rig.rig_from_camera[c].rotation.conjugate());
+    const Eigen::Vector3d shift = unit * (relative(other, c) - relative(rig, c));
+    (*places)[c].rotation_covariance += turn * turn.transpose();
+    (*places)[c].position_covariance += shift * shift.transpose();
+  }
+}
+
+void describeLenses(const Rig& rig, const RigLayout& layout, const Eigen::MatrixXd& covariance,
+                    const std::optional<Rig>& other, RigEstimate* estimate) {
+  for (int c = 0; c < rig.size(); ++c) {
+    const Camera& camera = rig.cameras[c];
+    const int at = layout.intrinsics_at[c];
+    const int n = camera.estimatedCount();
+    IntrinsicsMatrix own;
+    if (at >= 0) own = covariance.block(at, at, n, n);
+    PixelError error = at < 0 ? PixelError() : pixelUncertainty(camera, own);
+    if (other) error = error.inQuadrature(pixelDistance(camera, other->cameras[c]));
+    estimate->intrinsics_covariance.push_back(own);
+    estimate->uncertainty.push_back(error);
+  }
+}
+
+bool positionKnown(const Rig& rig, const RigLayout& layout, int c,
+                   const Eigen::MatrixXd& covariance) {
+  const Eigen::Matrix3d own = covariance.block<3, 3>(layout.pose_at[c] + 3, layout.pose_at[c] + 3);
+  return rig.rig_from_camera[c].translation.norm() > kSignificant * largestSigma(own);
+}
+
+bool wellKnown(const RigEstimate& estimate, int c) {
+  const RigLimits limits = rigLimits(estimate.rig.cameras[c]);
+  const PlaceInRig& place = estimate.places[c];
+  return place.rotationSigma() <= limits.rotation && place.position_known &&
+         place.directionSigma(estimate.rig.rig_from_camera[c].translation) <= limits.direction;
+}
+
+void say(RigEstimate* estimate) {
+  estimate->converged = true;
+  for (int c = 1; c < estimate->rig.size(); ++c) {
+    estimate->converged = estimate->converged && wellKnown(*estimate, c);
+    estimate->sentence += (c > 1 ? " " : "") + placeText(*estimate, c);
+  }
+  if (!estimate->metric) {
+    estimate->sentence += " Lengths are relative: give --baseline METERS to make them metric.";
+  }
+  if (estimate->converged) return;
+  estimate->hint =
+      "turn the rig about all axes, and quickly, so that the cameras move differently; views that "
+      "overlap tell the positions best";
+}
+
+}  // namespace
+
+double PlaceInRig::rotationSigma() const { return largestSigma(rotation_covariance); }
+
+double PlaceInRig::directionSigma(const Eigen::Vector3d& position) const {
+  const double length = position.norm();
+  const Eigen::Vector3d n = position / length;
+  const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - n * n.transpose();
+  return largestSigma(across * position_covariance * across) / length;
+}
+
+RigLimits rigLimits(const Camera& camera) {
+  const double pixels = camera.width() / 640.0;
+  return {pixels / camera.parameters()(0), pixels / (0.1 * camera.width())};
+}
+
+RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::MatrixXd& covariance,
+                        const std::optional<Rig>& other, std::optional<double> baseline_m,
+                        std::vector<RigSegment>* segments) {
+  RigEstimate estimate;
+  estimate.usable = true;
+  estimate.rig = rig;
+  estimate.places.resize(rig.cameras.size());
+  const bool unit_known = positionKnown(rig, layout, 1, covariance);
+  const double unit = baseline_m.value_or(1.0);
+  for (int c = 1; c < rig.size(); ++c) {
+    PlaceInRig& place = estimate.places[c];
+    place.rotation_covariance = covariance.block<3, 3>(layout.pose_at[c], layout.pose_at[c]);
+    place.position_known = unit_known && positionKnown(rig, layout, c, covariance);
+    place.position_covariance = unit * unit * relativeCovariance(rig, layout, c, covariance);
+  }
+  describeLenses(rig, layout, covariance, other, &estimate);
+  if (other) addDoubt(rig, *other, unit, &estimate.places);
+  estimate.metric = unit_known && baseline_m;
+  if (unit_known) {
+    const double factor = unit / rig.rig_from_camera[1].translation.norm();
+    for (Rigid3& pose : estimate.rig.rig_from_camera) pose.translation *= factor;
+    for (RigSegment& segment : *segments) scaleSegment(factor, &segment);
+  }
+  for (std::size_t s = 0; s < segments->size(); ++s) {
+    const RigSegment& segment = (*segments)[s];
+    for (int k = 0; k < segment.frames(); ++k) {
+      estimate.poses.push_back(
+          {segment.stamps_ns[k], static_cast<int>(s), segment.world_from_rig[k]});
+    }
+    for (int c = 0; c < rig.size(); ++c) {
+      estimate.places[c].shared_landmarks += sharedLandmarks(segment, c);
+      estimate.observations += static_cast<int>(segment.tracks[c].observations.size());
+    }
+  }
+  say(&estimate);
+  return estimate;
+}
+
+std::string placeText(const RigEstimate& estimate, int camera) {
+  const PlaceInRig& place = estimate.places[camera];
+  const Rigid3& pose = estimate.rig.rig_from_camera[camera];
+  std::string text =
+      formatted("Camera %d is turned by %.3f degrees against camera 0, known to %.3f", camera,
+                logSo3(pose.rotation).norm() / kDegree, place.rotationSigma() / kDegree);
+  if (!place.position_known) {
+    return text + "; where it sits neither the motion nor shared landmarks tell.";
+  }
+  const Eigen::Vector3d& t = pose.translation;
+  text += formatted("; it sits at (%.4f, %.4f, %.4f)%s, the direction known to %.2f degrees", t.x(),
+                    t.y(), t.z(), estimate.metric ? " m" : "", place.directionSigma(t) / kDegree);
+  return text + formatted(" (%d shared landmarks).", place.shared_landmarks);
+}
+
+}  // namespace camera_self_calibration

@@ -1,0 +1,134 @@
+#include "camera_self_calibration/tools/rig_files.h"
+
+#include <algorithm>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core/eigen.hpp>
+#include <stdexcept>
+
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/ros/camera_info.h"
+#include "camera_self_calibration/tools/calibration_format.h"
+#include "format_text.h"
+
+namespace camera_self_calibration {
+namespace {
+
+/// The views of cameras that look further apart than this have no common rectified image.
+constexpr double kMaxAngle = 40.0 * M_PI / 180.0;
+
+std::string motionText(const Rigid3& motion) {
+  Eigen::Matrix<double, 3, 4> rows;
+  rows << motion.rotation.toRotationMatrix(), motion.translation;
+  std::string text = "  T_cn_cnm1:\n";
+  for (int r = 0; r < 3; ++r) {
+    text += "  - [";
+    for (int c = 0; c < 4; ++c) text += (c > 0 ? ", " : "") + exactText(rows(r, c));
+    text += "]\n";
+  }
+  return text + "  - [0.0, 0.0, 0.0, 1.0]\n";
+}
+
+cv::Mat matrixOf(const sensor_msgs::CameraInfo& info) {
+  return cv::Mat(3, 3, CV_64F, const_cast<double*>(info.K.data())).clone();
+}
+
+cv::Mat coefficientsOf(const sensor_msgs::CameraInfo& info) {
+  return cv::Mat(static_cast<int>(info.D.size()), 1, CV_64F, const_cast<double*>(info.D.data()))
+      .clone();
+}
+
+template <typename Array>
+void copyTo(const cv::Mat& matrix, Array* values) {
+  std::copy(matrix.begin<double>(), matrix.end<double>(), values->begin());
+}
+
+/// Both in one distortion model, which is that of the rectification.
+std::optional<OutputModel> commonModel(const Rig& rig) {
+  std::vector<std::string> names;
+  for (const Camera& camera : rig.cameras) {
+    const auto conversion = toCameraInfo(camera);
+    if (!conversion) return std::nullopt;
+    names.push_back(conversion->info.distortion_model);
+  }
+  const bool both = std::all_of(names.begin(), names.end(),
+                                [](const std::string& name) { return name == "plumb_bob"; });
+  return both ? OutputModel::kPlumbBob : OutputModel::kEquidistant;
+}
+
+std::string whyNoPair(const Rig& rig) {
+  if (rig.size() != 2) return "left.yaml and right.yaml are for rigs of two cameras";
+  const Camera& a = rig.cameras[0];
+  const Camera& b = rig.cameras[1];
+  if (a.width() != b.width() || a.height() != b.height()) {
+    return "the images differ in size, so that there is no rectified pair";
+  }
+  const Rigid3& pose = rig.rig_from_camera[1];
+  if (Eigen::AngleAxisd(pose.rotation).angle() > kMaxAngle) {
+    return "the cameras look different ways, so that there is no rectified pair";
+  }
+  const Eigen::Vector3d t = pose.translation.cwiseAbs();
+  if (t.x() <= std::max(t.y(), t.z())) {
+    return "the cameras do not stand side by side, as stereo_image_proc wants it: there is no "
+           "rectified pair";
+  }
+  return {};
+}
+
+void rectify(const Rigid3& right_from_left, OutputModel model, StereoPair* pair) {
+  const cv::Size size(static_cast<int>(pair->left_info.width),
+                      static_cast<int>(pair->left_info.height));
+  cv::Mat r, t, r1, r2, p1, p2, q;
+  cv::eigen2cv(Eigen::Matrix3d(right_from_left.rotation.toRotationMatrix()), r);
+  cv::eigen2cv(Eigen::Vector3d(right_from_left.translation), t);
+  const cv::Mat k1 = matrixOf(pair->left_info);
+  const cv::Mat k2 = matrixOf(pair->right_info);
+  const cv::Mat d1 = coefficientsOf(pair->left_info);
+  const cv::Mat d2 = coefficientsOf(pair->right_info);
+  if (model == OutputModel::kPlumbBob) {
+    cv::stereoRectify(k1, d1, k2, d2, size, r, t, r1, r2, p1, p2, q, cv::CALIB_ZERO_DISPARITY, 0.0);
+  } else {
+    cv::fisheye::stereoRectify(k1, d1, k2, d2, size, r, t, r1, r2, p1, p2, q,
+                               cv::CALIB_ZERO_DISPARITY);
+  }
+  copyTo(r1, &pair->left_info.R);
+  copyTo(p1, &pair->left_info.P);
+  copyTo(r2, &pair->right_info.R);
+  copyTo(p2, &pair->right_info.P);
+}
+
+}  // namespace
+
+std::string rigCamchain(const Rig& rig, const std::vector<std::string>& topics,
+                        const std::string& comment) {
+  std::string text = comment.empty() ? "" : "# " + comment + "\n";
+  for (int c = 0; c < rig.size(); ++c) {
+    CalibrationLabels labels;
+    labels.topic = topics[c];
+    text += kalibrText(storable(rig.cameras[c], CalibrationFormat::kKalibr).camera, labels,
+                       formatted("cam%d", c));
+    if (c == 0) continue;
+    text += motionText(rig.rig_from_camera[c].inverse() * rig.rig_from_camera[c - 1]);
+  }
+  return text;
+}
+
+std::optional<StereoPair> stereoPair(const Rig& rig, std::string* problem) {
+  *problem = whyNoPair(rig);
+  if (!problem->empty()) return std::nullopt;
+  StereoPair pair;
+  if (rig.rig_from_camera[1].translation.x() < 0.0) std::swap(pair.left, pair.right);
+  const auto model = commonModel(rig);
+  const auto left = model ? toCameraInfo(rig.cameras[pair.left], *model) : std::nullopt;
+  const auto right = model ? toCameraInfo(rig.cameras[pair.right], *model) : std::nullopt;
+  if (!left || !right) {
+    *problem = "the lenses have no distortion model of ROS in common";
+    return std::nullopt;
+  }
+  pair.left_info = left->info;
+  pair.right_info = right->info;
+  rectify(rig.rig_from_camera[pair.right].inverse() * rig.rig_from_camera[pair.left], *model,
+          &pair);
+  return pair;
+}
+
+}  // namespace camera_self_calibration

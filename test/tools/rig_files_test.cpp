@@ -1,0 +1,112 @@
+#include "camera_self_calibration/tools/rig_files.h"
+
+#include <gtest/gtest.h>
+#include <yaml-cpp/yaml.h>
+
+#include <Eigen/Geometry>
+
+#include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/tools/calibration_format.h"
+
+namespace camera_self_calibration {
+namespace {
+
+Camera radtan(double focal) {
+  Intrinsics p(8);
+  p << focal, 1.003 * focal, 360.0, 245.0, -0.3, 0.1, 0.0002, -0.0001;
+  return Camera(CameraModel::kRadtan, 752, 480, p);
+}
+
+Camera equidistant(double focal) {
+  Intrinsics p(8);
+  p << focal, focal, 370.0, 250.0, -0.01, 0.02, -0.01, 0.001;
+  return Camera(CameraModel::kEquidistant, 752, 480, p);
+}
+
+Rig pair(const Camera& a, const Camera& b, const Eigen::Vector3d& position) {
+  return {{a, b}, {Rigid3(), Rigid3(expSo3({0.015, -0.01, 0.02}), position)}};
+}
+
+// Where a point is in a rectified image.
+Eigen::Vector2d rectified(const sensor_msgs::CameraInfo& info, const Eigen::Vector3d& in_camera) {
+  using RowMajor3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+  using RowMajor34 = Eigen::Matrix<double, 3, 4, Eigen::RowMajor>;
+  const RowMajor3 r(info.R.data());
+  const RowMajor34 p(info.P.data());
+  // P maps from the rectified frame of the left camera: Tx is in its last column.
+  return (p.leftCols<3>() * (r * in_camera)).hnormalized();
+}
+
+void expectRectified(const Rig& rig) {
+  std::string problem;
+  const auto stereo = stereoPair(rig, &problem);
+  ASSERT_TRUE(stereo) << problem;
+  const double focal = stereo->left_info.P[0];
+  const double baseline = rig.rig_from_camera[1].translation.norm();
+  EXPECT_NEAR(stereo->right_info.P[3], -focal * baseline, 1e-6 * focal);
+  EXPECT_EQ(stereo->left_info.P[3], 0.0);
+  for (const Eigen::Vector3d& point :
+       {Eigen::Vector3d(0.3, -0.2, 1.0), Eigen::Vector3d(-1.0, 0.8, 3.0)}) {
+    const auto seen = [&](int camera, const sensor_msgs::CameraInfo& info) {
+      return rectified(info, rig.rig_from_camera[camera].inverse() * point);
+    };
+    const Eigen::Vector2d left = seen(stereo->left, stereo->left_info);
+    const Eigen::Vector2d right = seen(stereo->right, stereo->right_info);
+    EXPECT_NEAR(left.y(), right.y(), 1e-6);
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> r(stereo->left_info.R.data());
+    const double depth = (r * (rig.rig_from_camera[stereo->left].inverse() * point)).z();
+    EXPECT_NEAR(left.x() - right.x(), focal * baseline / depth, 1e-6);
+  }
+}
+
+TEST(StereoPair, RowsAgreeAndDisparityIsDepth) {
+  expectRectified(pair(radtan(460.0), radtan(458.0), {0.11, 0.001, -0.002}));
+  expectRectified(pair(equidistant(400.0), equidistant(410.0), {0.11, 0.001, -0.002}));
+}
+
+TEST(StereoPair, DifferentLensesAreBothEquidistant) {
+  const Rig rig = pair(radtan(460.0), equidistant(458.0), {0.11, 0.0, 0.0});
+  expectRectified(rig);
+  std::string problem;
+  EXPECT_EQ(stereoPair(rig, &problem)->left_info.distortion_model, "equidistant");
+}
+
+TEST(StereoPair, TheLeftCameraMayBeTheSecond) {
+  const Rig rig = pair(radtan(460.0), radtan(458.0), {-0.11, 0.001, 0.0});
+  std::string problem;
+  EXPECT_EQ(stereoPair(rig, &problem)->left, 1);
+  expectRectified(rig);
+}
+
+TEST(StereoPair, NoneInWords) {
+  std::string problem;
+  EXPECT_FALSE(stereoPair(pair(radtan(460.0), radtan(460.0), {0.0, 0.2, 0.0}), &problem));
+  EXPECT_NE(problem.find("side by side"), std::string::npos);
+  Rig turned = pair(radtan(460.0), radtan(460.0), {0.2, 0.0, 0.0});
+  turned.rig_from_camera[1].rotation = expSo3({0.0, 1.5, 0.0});
+  EXPECT_FALSE(stereoPair(turned, &problem));
+  EXPECT_NE(problem.find("different ways"), std::string::npos);
+}
+
+TEST(RigCamchain, ReadsBack) {
+  Rig rig = pair(equidistant(400.0), equidistant(410.0), {0.11, 0.001, -0.002});
+  rig.cameras.push_back(equidistant(390.0));
+  rig.rig_from_camera.emplace_back(expSo3({0.1, 0.2, 0.0}), Eigen::Vector3d(0.0, 0.2, 0.0));
+  const std::string text = rigCamchain(rig, {"/a", "/b", "/c"}, "Lengths in metres.");
+  const StoredCalibration second = parseCalibration(text, CalibrationFormat::kKalibr, "cam1");
+  EXPECT_EQ(second.camera.parameters(), rig.cameras[1].parameters());
+  const YAML::Node chain = YAML::Load(text);
+  EXPECT_EQ(chain["cam2"]["rostopic"].as<std::string>(), "/c");
+  EXPECT_FALSE(chain["cam0"]["T_cn_cnm1"]);
+  // cam1 stands at x = 0.11 in cam0, and so cam0 at about -0.11 in cam1.
+  const YAML::Node motion = chain["cam2"]["T_cn_cnm1"];
+  const Rigid3 expected = rig.rig_from_camera[2].inverse() * rig.rig_from_camera[1];
+  for (int r = 0; r < 3; ++r) {
+    EXPECT_NEAR(motion[r][3].as<double>(), expected.translation(r), 1e-15);
+    EXPECT_NEAR(motion[r][0].as<double>(), expected.rotation.toRotationMatrix()(r, 0), 1e-15);
+  }
+  EXPECT_LT(chain["cam1"]["T_cn_cnm1"][0][3].as<double>(), -0.1);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
