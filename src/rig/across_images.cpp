@@ -64,7 +64,7 @@ std::vector<SeenAcross> AcrossImages::operator()(const RigFrame& frame, int from
     if (find(from_image, to_image, feature, &seen)) result.push_back(seen);
   }
   gate_.learn(accepted_);
-  registration_.setNoise(gate_.whiteNoise());
+  registration_.setNoise(0, gate_.whiteNoise());
   return result;
 }
 
