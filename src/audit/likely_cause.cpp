@@ -1,7 +1,6 @@
 #include "camera_self_calibration/audit/likely_cause.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>

@@ -24,6 +24,11 @@ constexpr double kNegligible = 1e-6;  // weight of a hypothesis in an average
 
 enum class Kind { kStep, kDrift, kOutlier };
 
+// Odds of each kind against a lens that stayed, before anything is seen: few videos show a lens
+// that moves, or hold a segment that is wrong. Were these as likely as not, segments that tell
+// little, and so rule nothing out, would leave the lens in doubt for ever.
+constexpr double kOdds = 0.05;
+
 // The deviations of all segments as linear functions of independent unknowns, each of variance
 // size^2, that the segments' likelihoods do not couple once x is eliminated.
 struct Course {
@@ -261,20 +266,19 @@ LensCourse Account::conclude() const {
   return result;
 }
 
-// Over all hypotheses; that the lens stayed, one step, a drift and an outlier are as likely before
-// anything is seen.
+// Over all hypotheses, and a lens that stayed.
 void Account::average(const std::vector<Hypothesis>& hypotheses, LensCourse* result) const {
   const double most = std::max({0.0, result->step, result->drift, result->outlier});
   double sum = std::exp(-most);
-  for (const double kind : {result->step, result->drift, result->outlier}) {
-    sum += std::exp(kind - most);
+  for (const double factor : {result->step, result->drift, result->outlier}) {
+    sum += kOdds * std::exp(factor - most);
   }
   const double log_total = most + std::log(sum);
   const Intrinsics stayed = *covariance_ * gradient_;
   Mixture mixture(point_.size());
   mixture.add(std::exp(-log_total), stayed, variance(square_) * *covariance_);
   for (const Hypothesis& one : hypotheses) {
-    const double weight = std::exp(one.log_factor - log_total);
+    const double weight = kOdds * std::exp(one.log_factor - log_total);
     if (weight < kNegligible) continue;
     const Eigen::MatrixXd& leverage = one.course->leverage;
     const Intrinsics off = leverage * one.variance.cwiseProduct(one.course->gradient).eval();

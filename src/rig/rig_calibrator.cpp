@@ -341,7 +341,10 @@ RigEstimate RigCalibrator::estimate() {
     if (!solveRoughly()) break;
     gate();
   }
-  solve();
+  if (!solve()) {
+    failed.sentence = "no poses of the cameras explain all tracks together";
+    return failed;
+  }
   const auto covariance = rigCovariance(options_.solve, &segments_, &rig_);
   if (!covariance) {
     failed.sentence = "motion and features do not tell the rig";

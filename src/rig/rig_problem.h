@@ -3,7 +3,6 @@
 #include <ceres/problem.h>
 
 #include <array>
-#include <map>
 #include <vector>
 
 #include "camera_self_calibration/rig/rig_solver.h"

@@ -56,8 +56,7 @@ RigResidual::RigResidual(const Camera& camera, const Roles& roles,
     : inner_(camera, pixel, sigma),
       roles_(roles),
       base_(base_bearing),
-      tangent_(tangentBasis(base_bearing)),
-      intrinsics_(camera.parameterCount()) {
+      tangent_(tangentBasis(base_bearing)) {
   set_num_residuals(2);
   for (int i = 0; i < roles.count; ++i) {
     mutable_parameter_block_sizes()->push_back(4);

@@ -2,8 +2,6 @@
 
 #include <ceres/cost_function.h>
 
-#include <array>
-
 #include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/reference/residuals.h"
 
@@ -37,7 +35,6 @@ class RigResidual : public ceres::CostFunction {
   Roles roles_;
   Eigen::Vector3d base_;
   Matrix32d tangent_;
-  int intrinsics_;
 };
 
 }  // namespace camera_self_calibration

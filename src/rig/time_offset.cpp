@@ -1,7 +1,6 @@
 #include "camera_self_calibration/rig/time_offset.h"
 
 #include <Eigen/Dense>
-#include <algorithm>
 #include <cmath>
 #include <optional>
 

@@ -191,7 +191,8 @@ void readRig(const po::variables_map& given, CalibrateBagArguments* arguments) {
   if (cameras < 2 || cameras > 6) {
     throw std::runtime_error("--topics needs the image topics of two to six cameras");
   }
-  if (arguments->baseline_m && !(*arguments->baseline_m > 0.0)) {
+  if (arguments->baseline_m &&
+      !(*arguments->baseline_m > 0.0 && std::isfinite(*arguments->baseline_m))) {
     throw std::runtime_error("--baseline must be a positive number of metres");
   }
   for (const char* option :

@@ -1,8 +1,9 @@
 #include "camera_self_calibration/tools/calibrate_rig.h"
 
 #include <algorithm>
-#include <iostream>
+#include <functional>
 #include <memory>
+#include <stdexcept>
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
@@ -14,11 +15,16 @@
 namespace camera_self_calibration {
 namespace {
 
+/// A topic and its compressed form have one name.
 std::vector<ImageSource> openTopics(SourceOptions source, const std::vector<std::string>& topics) {
   std::vector<ImageSource> sources;
   for (const std::string& topic : topics) {
     source.topic = topic;
     sources.push_back(openImages(source));
+    const auto same = [&](const ImageSource& other) { return other.name == sources.back().name; };
+    if (!std::any_of(sources.begin(), sources.end() - 1, same)) continue;
+    throw std::runtime_error("--topics names " + sources.back().name +
+                             " twice; give one topic of each camera");
   }
   return sources;
 }
@@ -36,7 +42,10 @@ class Follower {
     calibrator_ = std::make_unique<SelfCalibrator>(held, SelfCalibrator::Mode::kInline, callbacks);
   }
 
+  /// Of an image that is refused: no tracks, no pose.
   const FrameResult& process(const ImageView& image) {
+    result_ = FrameResult();
+    result_.stamp_ns = image.stamp_ns;
     calibrator_->process(image);
     return result_;
   }
@@ -95,7 +104,7 @@ void follow(const Options& options, const std::function<bool()>& stop, Synchroni
 }
 
 /// The joint intrinsics in place of those that the camera found for itself.
-void adopt(const RigEstimate& estimate, std::size_t c, CalibrationReport* report) {
+void adopt(const RigEstimate& estimate, std::size_t c, double limit_px, CalibrationReport* report) {
   const double alone = report->uncertainty.rms;
   report->camera = estimate.rig.cameras[c];
   report->covariance = estimate.intrinsics_covariance[c];
@@ -104,6 +113,7 @@ void adopt(const RigEstimate& estimate, std::size_t c, CalibrationReport* report
       "Jointly with the other cameras of the rig the calibration is good to %.2g px rms "
       "over the image (alone: %.2g px)",
       report->uncertainty.rms, alone);
+  if (report->uncertainty.rms > limit_px) report->state = CalibrationState::kConverging;
 }
 
 /// Why nothing can be said of the rig; empty where it can.
@@ -157,8 +167,10 @@ RigRecording calibrateRig(const SourceOptions& source, const std::vector<std::st
   if (!recording.estimate.sentence.empty() || !recording.complete) return recording;
   recording.estimate = calibrator.estimate();
   if (!recording.estimate.usable) return recording;
-  for (std::size_t c = 0; c < cameras.size(); ++c) {
-    adopt(recording.estimate, c, &recording.cameras[c].final_report);
+  // What is not believed of the rig, as where clocks disagree, replaces nothing.
+  for (std::size_t c = 0; recording.estimate.converged && c < cameras.size(); ++c) {
+    adopt(recording.estimate, c, options.convergedRms(cameras[c].width()),
+          &recording.cameras[c].final_report);
   }
   recording.poses = onRig(way, recording.estimate.poses);
   return recording;

@@ -1,6 +1,7 @@
 #include "camera_self_calibration/tools/rig_files.h"
 
 #include <algorithm>
+#include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core/eigen.hpp>
 #include <stdexcept>
@@ -13,8 +14,13 @@
 namespace camera_self_calibration {
 namespace {
 
-/// The views of cameras that look further apart than this have no common rectified image.
-constexpr double kMaxAngle = 40.0 * M_PI / 180.0;
+/// Between the rays of the middle row's ends [rad]; of all directions where they have none.
+double widthOfView(const Camera& camera) {
+  const double middle = camera.parameters()(3);
+  const auto left = camera.unproject({0.0, middle});
+  const auto right = camera.unproject({camera.width() - 1.0, middle});
+  return left && right ? std::acos(left->normalized().dot(right->normalized())) : 2.0 * M_PI;
+}
 
 std::string motionText(const Rigid3& motion) {
   Eigen::Matrix<double, 3, 4> rows;
@@ -63,8 +69,9 @@ std::string whyNoPair(const Rig& rig) {
     return "the images differ in size, so that there is no rectified pair";
   }
   const Rigid3& pose = rig.rig_from_camera[1];
-  if (Eigen::AngleAxisd(pose.rotation).angle() > kMaxAngle) {
-    return "the cameras look different ways, so that there is no rectified pair";
+  const double between = std::acos(std::clamp((pose.rotation.toRotationMatrix())(2, 2), -1.0, 1.0));
+  if (between > 0.5 * std::min(widthOfView(a), widthOfView(b))) {
+    return "the cameras share less than half of their views, so that there is no rectified pair";
   }
   const Eigen::Vector3d t = pose.translation.cwiseAbs();
   if (t.x() <= std::max(t.y(), t.z())) {

@@ -1,6 +1,5 @@
 #include "rig_trajectory.h"
 
-#include <algorithm>
 #include <map>
 
 namespace camera_self_calibration {

@@ -1,7 +1,6 @@
 #include "camera_self_calibration/tools/synchronised_images.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/median.h"
@@ -9,13 +8,15 @@
 namespace camera_self_calibration {
 
 SynchronisedImages::SynchronisedImages(std::vector<ImageSource> sources)
-    : sources_(std::move(sources)), waiting_(sources_.size()) {}
+    : sources_(std::move(sources)), monitors_(sources_.size()), waiting_(sources_.size()) {
+  for (InputMonitor& monitor : monitors_) monitor.takeZeroAsTime();
+}
 
 bool SynchronisedImages::load(std::size_t camera) {
   while (!waiting_[camera]) {
     const std::optional<GrayImage> image = sources_[camera].next();
     if (!image) return false;
-    waiting_[camera] = image->view;
+    if (monitors_[camera].check(*image) == InputVerdict::kUse) waiting_[camera] = image->view;
   }
   return true;
 }
@@ -41,6 +42,7 @@ std::optional<std::vector<ImageView>> SynchronisedImages::next() {
       images.push_back(*image);
       image.reset();
     }
+    last_gap_ = kNoGap;
     ++sets_;
     return images;
   }
@@ -51,8 +53,8 @@ std::string SynchronisedImages::problem() const {
   if (sets_ * cameras >= unmatched_) return {};
   return formatted(
       "the images of the cameras are not taken at once: their stamps differ by %.1f ms (median), "
-      "and "
-      "1 ms is allowed. Trigger the cameras together, or let their stamps say when they took the "
+      "and 1 ms is allowed. Trigger the cameras together, or let their stamps say when they took "
+      "the "
       "images",
       1e3 * median(nearest_s_, 0.0));
 }

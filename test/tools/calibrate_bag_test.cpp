@@ -408,6 +408,7 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder.string() + " --topics /a", "two to six"},
       {folder.string() + " --baseline 0.1", "--topics"},
       {folder.string() + " --topics /a /b --baseline -1", "--baseline"},
+      {folder.string() + " --topics /a /b --baseline inf", "--baseline"},
       {folder.string() + " --topics /a /b --topic /a", "--topic is for one camera"},
       {folder.string() + " --ground-truth " + (folder / "missing.tum"), "missing.tum"},
       {folder.string() + " --reference-calibration " + (folder / "missing.yaml"),

@@ -9,6 +9,7 @@
 
 namespace camera_self_calibration {
 
+/// How a rig is calibrated.
 struct RigOptions {
   RigSolveOptions solve;
   std::optional<double> baseline_m;  ///< Between the first two cameras [m].
@@ -36,8 +37,11 @@ class RigCalibrator {
   /// All images, keyframes or not, with poses: whether the cameras' clocks agree. Tracks and images
   /// of `frame` are not kept.
   void observe(const RigFrame& frame);
+  /// Keyframes kept.
   int frames() const;
 
+  /// From all keyframes kept; more may follow, and then it begins anew. Where nothing can be said,
+  /// it is not usable and its sentence says why.
   RigEstimate estimate();
 
  private:

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -76,7 +75,7 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
                         const std::optional<Rig>& other, std::optional<double> baseline_m,
                         std::vector<RigSegment>* segments);
 
-/// "back-to-front" words for the place of one camera, as on a terminal.
+/// The place of one camera in words: how it is turned, where it sits, and how well both are known.
 std::string placeText(const RigEstimate& estimate, int camera);
 
 }  // namespace camera_self_calibration

@@ -13,7 +13,7 @@ namespace camera_self_calibration {
 
 /// What one camera contributes to a keyframe of the rig.
 struct RigView {
-  std::vector<Track> tracks;  ///< As its own tracker follows them, freed of a rolling shutter.
+  std::vector<Track> tracks;                ///< As its own tracker follows them.
   std::optional<Rigid3> world_from_camera;  ///< In the camera's own map; none where it has none.
   std::uint64_t map_id = 0;  ///< Poses of one camera's different maps do not compare.
   ImageView image;           ///< Empty where there is none (tracks from elsewhere).

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/ros/input_monitor.h"
 #include "camera_self_calibration/tools/image_source.h"
 
 namespace camera_self_calibration {
@@ -20,7 +21,8 @@ class SynchronisedImages {
   explicit SynchronisedImages(std::vector<ImageSource> sources);
 
   /// The next images that all cameras took at once, one for each; nothing at the end. Images that
-  /// cannot be read, and those without partners, are left out.
+  /// cannot be read, those of another size or from before the last one, and those without partners
+  /// are left out.
   std::optional<std::vector<ImageView>> next();
 
   std::int64_t sets() const { return sets_; }            ///< Handed out.
@@ -29,14 +31,17 @@ class SynchronisedImages {
   std::string problem() const;
 
  private:
+  static constexpr std::int64_t kNoGap = std::numeric_limits<std::int64_t>::max();
+
   bool load(std::size_t camera);
 
   std::vector<ImageSource> sources_;
+  std::vector<InputMonitor> monitors_;  // one for each source
   std::vector<std::optional<ImageView>> waiting_;
   std::int64_t sets_ = 0;
   std::int64_t unmatched_ = 0;
-  std::int64_t last_gap_ = std::numeric_limits<std::int64_t>::max();  // [ns]
-  std::vector<double> nearest_s_;  // from an image left out to the nearest of another camera
+  std::int64_t last_gap_ = kNoGap;  // [ns] Of the image left out before; none since a match.
+  std::vector<double> nearest_s_;   // from an image left out to the nearest of another camera
 };
 
 }  // namespace camera_self_calibration
