@@ -27,7 +27,7 @@ enum class Kind { kStep, kDrift, kOutlier };
 // Odds of each kind against a lens that stayed, before anything is seen: few videos show a lens
 // that moves, or hold a segment that is wrong. Were these as likely as not, segments that tell
 // little, and so rule nothing out, would leave the lens in doubt for ever.
-constexpr double kOdds = 0.05;
+constexpr double kOdds = 0.1;
 
 // The deviations of all segments as linear functions of independent unknowns, each of variance
 // size^2, that the segments' likelihoods do not couple once x is eliminated.
