@@ -33,7 +33,8 @@ class Places:
 class Table:
     name: str
     page: str
-    command: str  # As it stands below the table.
+    programs: tuple  # What it runs.
+    command: str  # As it stands below the table, to be typed.
     measure: Callable[[Places], str]  # Gives the table in Markdown.
 
 
@@ -46,6 +47,13 @@ def last_table(text):
     table = lines[rules[-1] - 1:]
     end = next((i for i, line in enumerate(table) if not line.startswith("|")), len(table))
     return table[:end]
+
+
+def shell_command(command, variants):
+    """What one types to run it, for each variant if there are any."""
+    if not variants:
+        return command
+    return f"for v in {' '.join(map(str, variants))}; do {command.format('$v')}; done"
 
 
 def printed(name, page, command, variants=(), label=""):
@@ -66,7 +74,7 @@ def printed(name, page, command, variants=(), label=""):
             lines = lines or [f"| {label} " + header, "|---" + rule]
             lines += [f"| {variant} " + row for row in rows]
         return "\n".join(lines) + "\n"
-    return Table(name, page, command.format(", ".join(map(str, variants))), measure)
+    return Table(name, page, (command.split()[0],), shell_command(command, variants), measure)
 
 
 def calibrate(places, bag, options):
@@ -184,17 +192,20 @@ def chosen(places):
 
 
 TABLES = (
-    Table("known", "doc/accuracy.md", "calibrate_bag BAG --model MODEL --out DIR", known),
-    Table("auto", "doc/lens_models.md", "calibrate_bag BAG --out DIR", chosen),
+    Table("known", "doc/accuracy.md", ("calibrate_bag",), "calibrate_bag BAG --model MODEL --out DIR", known),
+    Table("auto", "doc/lens_models.md", ("calibrate_bag", "compare_calibration"),
+          "calibrate_bag BAG --out DIR", chosen),
     printed("audit", "doc/audit.md", "audit_benchmark"),
     printed("misfit", "doc/quality.md", "misfit_benchmark --sequences 8 --first-seed 901"),
     printed("rough_images", "doc/rough_images.md",
-            "rough_images_benchmark --seconds 15 --scale 0.5 --sequences 4 --first-seed 2"),
+            "rough_images_benchmark --kinds none,rolling,exposure,blur,noise,vignetting,JPEG,25,fast,all "
+            "--seconds 15 --scale 0.5 --sequences 4 --first-seed 2"),
+    printed("rough_scenes", "doc/rough_images.md",
+            "rough_images_benchmark --kinds moving,carried,text,automatic "
+            "--seconds 15 --scale 0.5 --sequences 8 --first-seed 501"),
     printed("blur", "doc/rough_images.md", "track_error_benchmark 2 4 {} 2", (0, 0.02),
             "exposure [s]"),
     printed("rolling_shutter", "doc/rough_images.md",
             "rolling_shutter_benchmark --trials 30 --noise {}", (0.1, 0.2, 0.5), "noise [px]"),
     printed("rendered", "doc/accuracy.md", "consistency_benchmark 24 30"),
 )
-
-PROGRAMS = {"calibrate_bag", "compare_calibration"} | {table.command.split()[0] for table in TABLES}

@@ -24,6 +24,14 @@ double fExceedance(double value, double numerator_freedom, double denominator_fr
   return boost::math::ibeta(0.5 * denominator_freedom, 0.5 * numerator_freedom, x);
 }
 
+double falseAlarms(double tests, int found, int candidates, double by_chance) {
+  if (found <= 0) return tests;
+  if (found > candidates) return 0.0;
+  // The upper tail of the binomial distribution.
+  return tests * boost::math::ibeta(static_cast<double>(found),
+                                    static_cast<double>(candidates - found) + 1.0, by_chance);
+}
+
 double logIncompleteGamma(double a, double b) {
   return std::lgamma(a) + std::log(boost::math::gamma_p(a, b)) - a * std::log(b);
 }

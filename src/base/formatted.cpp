@@ -4,6 +4,7 @@
 #include <cstdarg>
 #include <cstddef>
 #include <cstdio>
+#include <cstdlib>
 
 namespace camera_self_calibration {
 
@@ -37,6 +38,22 @@ std::string asSentence(const std::string& text) {
     sentence[0] = static_cast<char>(sentence[0] - 'a' + 'A');
   }
   return withFullStop(sentence);
+}
+
+std::string exactText(double value) {
+  std::string text;
+  for (int digits = 6; digits <= 17; ++digits) {
+    text = formatted("%.*g", digits, value);
+    if (std::strtod(text.c_str(), nullptr) == value) break;
+  }
+  return text;
+}
+
+std::string stampText(std::int64_t nanoseconds) {
+  const std::int64_t magnitude = std::abs(nanoseconds);
+  return formatted("%s%lld.%09lld", nanoseconds < 0 ? "-" : "",
+                   static_cast<long long>(magnitude / 1000000000),
+                   static_cast<long long>(magnitude % 1000000000));
 }
 
 std::string sizeText(int width, int height) {

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/camera/rotation_compensation.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {
 namespace {
-
-constexpr double kDegrees = 180.0 / M_PI;
 
 void addOffsets(const std::vector<PixelRay>& grid, const Camera& calibration,
                 const Eigen::Quaterniond& rotation, EstimateDistance* distance) {
@@ -45,8 +44,8 @@ void addAxis(const Eigen::Quaterniond& rotation, const CompensatedGrid& derivati
   const Eigen::Vector2d direction =
       across.norm() > 0.0 ? Eigen::Vector2d(across.normalized()) : Eigen::Vector2d::UnitX();
   const Intrinsics along = derivatives.absorbed.topRows<2>().transpose() * direction;
-  distance->axis_deg = kDegrees * across.norm();
-  distance->axis_sigma_deg = kDegrees * std::sqrt(std::max(0.0, along.dot(covariance * along)));
+  distance->axis_deg = across.norm() / kDegree;
+  distance->axis_sigma_deg = std::sqrt(std::max(0.0, along.dot(covariance * along))) / kDegree;
 }
 
 }  // namespace

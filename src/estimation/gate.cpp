@@ -140,6 +140,12 @@ double medianResidualScale(const SegmentBlock& block, const Camera& camera) {
   return std::sqrt(medianInPlace(&squares) / kMedianOfChiSquare2 / freedomShare(block));
 }
 
+double provisionalScale(const SegmentBlock& block, const Camera& camera) {
+  constexpr double kMaxScale = 1000.0;
+  const double scale = medianResidualScale(block, camera);
+  return std::isfinite(scale) ? std::clamp(scale, 1.0, kMaxScale) : kMaxScale;
+}
+
 double unexplainedSigma(const SegmentBlock& block, const Camera& camera) {
   const std::vector<double> squares = squaredResiduals(block, camera);
   if (squares.empty()) return 0.0;

@@ -25,6 +25,7 @@ Marginal marginalize(const Problem& problem, double huber, int threads, DepthNoi
   std::vector<ReducedInformation> reduced(problem.blocks.size());
   parallelFor(threads, blocks, [&](int i) {
     linear[i].linearize(problem.blocks[i], *problem.camera, count, huber, true);
+    // Eq. (4): the inverse's block of the intrinsics is the inverse of what elimination leaves
     linear[i].eliminate(0.0);
     reduced[i] = noise == DepthNoise::kCounts ? reducedInformation(linear[i])
                                               : discountedInformation(problem.blocks[i], linear[i]);
@@ -75,11 +76,13 @@ std::optional<IntrinsicsMatrix> Marginal::robustCovariance() const {
   const Eigen::MatrixXd root = Eigen::LLT<Eigen::MatrixXd>(*covariance).matrixL();
   // With I^-1 = L L^T: I^-1 M I^-1 = L (L^T M L) L^T, and the middle is the identity for
   // independent residuals.
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(root.transpose() * track_scores *
-                                                             root);
-  const Eigen::VectorXd variance = eigen.eigenvalues().cwiseMax(1.0);
+  return IntrinsicsMatrix(widened(root, root.transpose() * track_scores * root));
+}
+
+Eigen::MatrixXd widened(const Eigen::MatrixXd& root, const Eigen::MatrixXd& factor) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(factor);
   const Eigen::MatrixXd axes = root * eigen.eigenvectors();
-  return IntrinsicsMatrix(axes * variance.asDiagonal() * axes.transpose());
+  return axes * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() * axes.transpose();
 }
 
 namespace {
@@ -105,6 +108,7 @@ std::optional<IntrinsicsMatrix> covarianceFromInformation(const IntrinsicsMatrix
   if (information.rows() == 0 || !scaled.allFinite()) return std::nullopt;
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
   if (!(eigen.eigenvalues()(0) > rank_tolerance)) return std::nullopt;
+  // Eq. (5), which inverts the reduced system to the intrinsics' block of eq. (4)
   const Eigen::MatrixXd inverse = eigen.eigenvectors() *
                                   eigen.eigenvalues().cwiseInverse().asDiagonal() *
                                   eigen.eigenvectors().transpose();

@@ -11,6 +11,7 @@ double robustCost(const SegmentBlock& block, const Camera& camera, double huber,
   predictObservations(segment, camera, transfers, [&](std::size_t o, const Eigen::Vector2d* pixel) {
     const Observation& observation = segment.observations[o];
     const double sigma = observation.sigma * block.sigma_scale;
+    // Eq. (3), with Huber's loss
     cost += pixel == nullptr
                 ? unpredictableCost(sigma, huber)
                 : HuberLoss(((observation.pixel - *pixel) / sigma).squaredNorm(), huber).cost;

@@ -56,8 +56,8 @@ void convert(const Camera& lens, const SegmentStore& store, HistoricBag* bag) {
   std::vector<std::size_t> lost;
   LearntState state;
   state.camera = lens;
-  state.row_time_s = bag->record.row_time_s;
-  state.row_time_sigma_s = bag->record.row_time_sigma_s;
+  state.line_delay_s = bag->record.line_delay_s;
+  state.line_delay_sigma_s = bag->record.line_delay_sigma_s;
   state.segments = store.load(bag->record.camera, segmentsOf(bag->record), &lost);
   const auto converted = withModel(state, lens);
   const auto anew = converted ? recordOf(*converted) : std::nullopt;
@@ -122,6 +122,7 @@ std::vector<CameraHistory> byCamera(std::vector<BagRecord> records) {
     if (!again) history.bags.push_back({record, record, "", -1});
   }
   std::vector<CameraHistory> result;
+  result.reserve(cameras.size());
   for (auto& [name, history] : cameras) result.push_back(std::move(history));
   return result;
 }

@@ -35,21 +35,21 @@ std::vector<BagRecord> recordsOf(const CameraHistory& history, int epoch) {
 }
 
 // Of the sensor, whatever the lens: from the bags in which it was found to roll, or else all.
-void poolRowTime(const CameraHistory& history, LearntState* state) {
+void poolLineDelay(const CameraHistory& history, LearntState* state) {
   double weighted[2] = {0.0, 0.0}, weights[2] = {0.0, 0.0};
   for (const HistoricBag& bag : history.bags) {
-    const double sigma = bag.record.row_time_sigma_s;
+    const double sigma = bag.record.line_delay_sigma_s;
     if (!(sigma > 0.0)) continue;
     for (const bool rolling : {false, true}) {
-      if (rolling && bag.record.row_time_s == 0.0) continue;
-      weighted[rolling] += bag.record.row_time_s / (sigma * sigma);
+      if (rolling && bag.record.line_delay_s == 0.0) continue;
+      weighted[rolling] += bag.record.line_delay_s / (sigma * sigma);
       weights[rolling] += 1.0 / (sigma * sigma);
     }
   }
   const bool rolls = weights[true] > 0.0;
   if (!(weights[rolls] > 0.0)) return;
-  state->row_time_s = weighted[rolls] / weights[rolls];
-  state->row_time_sigma_s = 1.0 / std::sqrt(weights[rolls]);
+  state->line_delay_s = weighted[rolls] / weights[rolls];
+  state->line_delay_sigma_s = 1.0 / std::sqrt(weights[rolls]);
 }
 
 // All of the camera's model, numbered anew.
@@ -70,7 +70,7 @@ LearntState unsolved(const CameraHistory& history, int epoch) {
   Intrinsics values = history.lens.parameters();
   values.head(history.lens.estimatedCount()) = sumOf(history, epoch).mean();
   state.camera.setParameters(values);
-  poolRowTime(history, &state);
+  poolLineDelay(history, &state);
   state.epoch = static_cast<std::uint64_t>(epoch);
   state.revision = 1;
   state.bags = recordsOf(history, epoch);
@@ -88,24 +88,24 @@ double misfitOf(const CameraHistory& history, int epoch) {
   return median(std::move(misfits), 0.0);
 }
 
-std::vector<IntrinsicsMatrix> taughtBy(const CameraHistory& history,
-                                       const std::vector<WantedSegment>& wanted,
-                                       const QueueSolution& solution) {
-  std::vector<IntrinsicsMatrix> taught(history.bags.size());
+std::vector<IntrinsicsMatrix> contributionsOf(const CameraHistory& history,
+                                              const std::vector<WantedSegment>& wanted,
+                                              const QueueSolution& solution) {
+  std::vector<IntrinsicsMatrix> contributions(history.bags.size());
   for (std::size_t i = 0; i < solution.shares.size(); ++i) {
-    IntrinsicsMatrix& bag = taught[wanted[i].bag];
+    IntrinsicsMatrix& bag = contributions[wanted[i].bag];
     const IntrinsicsMatrix& share = solution.shares[i].information;
     bag = bag.size() == 0 ? share : IntrinsicsMatrix(bag + share);
   }
-  return taught;
+  return contributions;
 }
 
 // What bags scatter among themselves beyond their uncertainties does not shrink with the number of
 // their segments.
-IntrinsicsMatrix scatterOfBags(const std::vector<IntrinsicsMatrix>& taught, double tau_px,
+IntrinsicsMatrix scatterOfBags(const std::vector<IntrinsicsMatrix>& contributions, double tau_px,
                                const Camera& lens) {
   EstimateSum bags(lens.parameters().head(lens.estimatedCount()), pixelUnit(lens));
-  for (const IntrinsicsMatrix& bag : taught) {
+  for (const IntrinsicsMatrix& bag : contributions) {
     if (bag.size() > 0) bags.addInformation(bag);
   }
   return bags.scatterCovariance(tau_px * tau_px);
@@ -113,8 +113,9 @@ IntrinsicsMatrix scatterOfBags(const std::vector<IntrinsicsMatrix>& taught, doub
 
 void judge(const CameraHistory& history, int epoch, const QueueSolution& solution,
            EpochSolution* result) {
-  const double noise = pixelUncertainty(solution.camera, result->covariance).rms *
-                       crossValidate(solution, {}).inflation();
+  const CrossValidation halves = crossValidate(solution, {});
+  const double noise =
+      pixelUncertainty(solution.camera, result->covariance).rms * halves.inflation();
   result->uncertainty_px = std::hypot(noise, misfitOf(history, epoch));
   HealthEvidence evidence;
   evidence.has_estimate = true;
@@ -122,6 +123,7 @@ void judge(const CameraHistory& history, int epoch, const QueueSolution& solutio
   evidence.information = solution.information;
   evidence.uncertainty = {result->uncertainty_px, result->uncertainty_px};
   evidence.threshold_px = Options().convergedRms(solution.camera.width());
+  evidence.blind_below_px = halves.blindBelowPx();
   result->health = judgeHealth(evidence, solution.camera, false);
 }
 
@@ -173,13 +175,13 @@ EpochSolution solveEpoch(const CameraHistory& history, int epoch, const SegmentS
   result.tau_px = std::sqrt(scatterBeyond(
       bags, EstimateSum(solution.camera.parameters().head(solution.camera.estimatedCount()),
                         pixelUnit(solution.camera))));
-  result.taught = taughtBy(history, wanted, solution);
+  result.contributions = contributionsOf(history, wanted, solution);
   result.covariance =
-      solution.covariance + scatterOfBags(result.taught, result.tau_px, solution.camera);
+      solution.covariance + scatterOfBags(result.contributions, result.tau_px, solution.camera);
   judge(history, epoch, solution, &result);
   state.camera = solution.camera;
-  state.row_time_s = solved.row_time_s;
-  state.row_time_sigma_s = solved.row_time_sigma_s;
+  state.line_delay_s = solved.line_delay_s;
+  state.line_delay_sigma_s = solved.line_delay_sigma_s;
   state.segments = solved.queue.candidates();
   state.state = result.health.state;
   result.segments = std::move(wanted);

@@ -129,6 +129,7 @@ std::vector<EpochSplit> findEpochs(const std::vector<EstimateSeries>& cameras, d
     apply(cameras, static_cast<std::size_t>(worst - stretches.begin()), &stretches, &splits);
   }
   std::vector<EpochSplit> result;
+  result.reserve(splits.size());
   for (Split& split : splits) result.push_back(numbered(std::move(split)));
   return result;
 }

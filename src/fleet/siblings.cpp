@@ -61,6 +61,7 @@ std::vector<SiblingVerdict> compareSiblings(const std::vector<Sibling>& cameras,
     tested.insert(tested.end(), members.begin(), members.end());
   }
   std::vector<double> p_values;
+  p_values.reserve(tested.size());
   for (const std::size_t i : tested) p_values.push_back(verdicts[i].p_value);
   const std::vector<bool> rejected = rejectedByHolm(p_values, level);
   for (std::size_t i = 0; i < tested.size(); ++i) verdicts[tested[i]].outlier = rejected[i];

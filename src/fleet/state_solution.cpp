@@ -11,8 +11,8 @@ namespace {
 
 Options shutterOptions(const LearntState& state) {
   Options options;
-  options.estimate_readout = state.row_time_sigma_s > 0.0;
-  options.readout_s = state.row_time_s * rowSteps(state.camera.height());
+  options.estimate_readout = state.line_delay_sigma_s > 0.0;
+  options.readout_s = state.line_delay_s * rowSteps(state.camera.height());
   return options;
 }
 
@@ -33,9 +33,9 @@ StateSolution solveState(const LearntState& state, int threads) {
   // What the shutter leaves open is known once it was asked.
   shutter.ask(queue, false);
   if (options.estimate_readout && queue.solution().usable) solve(queue.solution().camera);
-  solution.row_time_s = shutter.rowTime().inUse();
-  const RowTimeEstimate& row_time = shutter.rowTime().estimate();
-  if (row_time.usable) solution.row_time_sigma_s = row_time.sigma_s;
+  solution.line_delay_s = shutter.lineDelay().inUse();
+  const LineDelayEstimate& line_delay = shutter.lineDelay().estimate();
+  if (line_delay.usable) solution.line_delay_sigma_s = line_delay.sigma_s;
   return solution;
 }
 
@@ -66,8 +66,8 @@ std::optional<BagRecord> recordOf(const LearntState& state) {
   record.scatter = solution.scatter;
   record.uncertainty_px = pixelUncertainty(solution.camera, solution.covariance).rms *
                           crossValidate(solution, {}).inflation();
-  record.row_time_s = solved.row_time_s;
-  record.row_time_sigma_s = solved.row_time_sigma_s;
+  record.line_delay_s = solved.line_delay_s;
+  record.line_delay_sigma_s = solved.line_delay_sigma_s;
   record.begin_ns = state.segments.front().segment.beginNs();
   record.end_ns = record.begin_ns;
   for (const Candidate& candidate : state.segments) {

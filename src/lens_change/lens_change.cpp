@@ -82,14 +82,14 @@ LensChange compare(const Segment& segment, int earlier_keyframes, const Referenc
     return change;
   }
   change.residual_scale = fit.residual_scale;
-  const double inflation = reference.scatter.inflation();
-  const double sigma_scale = fit.marginal.sigmaScale() * inflation;
+  const double birge_ratio = reference.scatter.birgeRatio();
+  const double sigma_scale = fit.marginal.sigmaScale() * birge_ratio;
   change.information = fit.marginal.information / (sigma_scale * sigma_scale);
   const int count = change.camera.estimatedCount();
   QuadraticLikelihood likelihood;
   likelihood.point = change.camera.parameters().head(count);
   likelihood.gradient = Intrinsics::Zero(count);
-  likelihood.information = change.information * (inflation * inflation);
+  likelihood.information = change.information * (birge_ratio * birge_ratio);
   const double quadratic = agreement({likelihood}, reference).statistic;
   const Intrinsics between = compromise({likelihood}, reference);
   const Camera lens = withEstimated(reference.camera, between);

@@ -24,10 +24,12 @@ constexpr double kNegligible = 1e-6;  // weight of a hypothesis in an average
 
 enum class Kind { kStep, kDrift, kOutlier };
 
-// Odds of each kind against a lens that stayed, before anything is seen: few videos show a lens
-// that moves, or hold a segment that is wrong. Were these as likely as not, segments that tell
-// little, and so rule nothing out, would leave the lens in doubt for ever.
-constexpr double kOdds = 0.1;
+// How often lenses move, for the average: segments that tell little rule nothing out, so what they
+// cannot exclude must be as rare there as it is in use, or the lens would be in doubt for ever.
+constexpr double kStepsPerMinute = 1.0 / 60.0;  // bumped, refocused or zoomed: once an hour
+constexpr double kFastestDrift = 1e-2;          // [1/minute]; one that warms up is far slower
+constexpr double kOddsOfDrift = 0.1;            // of a camera that warms up while it films
+constexpr double kOddsOfOutlier = 0.1;          // of video that holds a segment that is wrong
 
 // The deviations of all segments as linear functions of independent unknowns, each of variance
 // size^2, that the segments' likelihoods do not couple once x is eliminated.
@@ -35,6 +37,7 @@ struct Course {
   Kind kind = Kind::kStep;
   std::size_t first = 0;             // the first segment after a step
   double share = 1.0;                // of its kind's prior
+  double odds = 0.0;                 // against a lens that stayed, before anything is seen
   double per_minute = 0.0;           // sigma of the relative change over one minute, in sizes
   Eigen::VectorXd information = {};  // of the unknowns
   Eigen::VectorXd gradient = {};
@@ -48,6 +51,9 @@ struct Hypothesis {
   Eigen::VectorXd variance;  // of the unknowns, after all segments
   double left = 0.0;         // of chi-square
   double log_factor = 0.0;  // Bayes factor against a lens that stayed, times its share of the prior
+  double log_odds = -LensCourse::kNever;  // against it, after all segments
+
+  double perMinute() const { return size * course->per_minute; }
 };
 
 // The mean and covariance of a mixture of Gaussians.
@@ -150,12 +156,15 @@ void Account::addCourses() {
       ramp[i] = k > 0 ? std::min(1.0, ages_[i] / ages_[k - 1]) : 0.0;
     }
     for (const Eigen::MatrixXd& basis : {focal, all}) {
-      add({Kind::kOutlier, k, 0.5 / static_cast<double>(n)}, alone, basis);
-      if (k > 0) add({Kind::kStep, k, 0.5 / steps}, before, basis);
+      const double one = 0.5 / static_cast<double>(n);
+      add({Kind::kOutlier, k, one, one * kOddsOfOutlier}, alone, basis);
+      if (k == 0) continue;
+      const double odds = 0.5 * kStepsPerMinute * (ages_[k - 1] - ages_[k]);
+      add({Kind::kStep, k, 0.5 / steps, odds}, before, basis);
     }
-    // Of a single segment it would be a step.
-    if (k > 0 && k + 1 < n)
-      add({Kind::kDrift, k, 0.5 / (steps - 1.0), 1.0 / ages_[k - 1]}, ramp, focal);
+    if (k == 0 || k + 1 == n) continue;  // of a single segment it would be a step
+    const double share = 0.5 / (steps - 1.0);
+    add({Kind::kDrift, k, share, share * kOddsOfDrift, 1.0 / ages_[k - 1]}, ramp, focal);
   }
   addWalk();
 }
@@ -191,7 +200,7 @@ void Account::addWalk() {
     const double length = ages_[at] - (i + 1 < n ? ages_[at + 1] : 0.0);
     steps.block(0, i, i + 1, 1).setConstant(std::sqrt(std::max(0.0, length) / ages_[0]));
   }
-  add({Kind::kDrift, 0, 0.5, 1.0 / std::sqrt(ages_[0])}, cross * steps,
+  add({Kind::kDrift, 0, 0.5, 0.5 * kOddsOfDrift, 1.0 / std::sqrt(ages_[0])}, cross * steps,
       steps.transpose() * information.asDiagonal() * steps, steps.transpose() * gradient);
 }
 
@@ -217,8 +226,8 @@ double Account::logLikelihood(double left) const {
 
 // v as the segments show it.
 double Account::variance(double left) const {
-  const double inflation = scatterOf(left).inflation();
-  return inflation * inflation;
+  const double ratio = scatterOf(left).birgeRatio();
+  return ratio * ratio;
 }
 
 std::vector<Hypothesis> Account::hypotheses() const {
@@ -234,9 +243,12 @@ std::vector<Hypothesis> Account::hypotheses() const {
       one.variance = variance * (1.0 + variance * course.information.array()).inverse();
       one.left = square_ - course.gradient.cwiseAbs2().dot(one.variance);
       // What leaves the segments disagreeing explains nothing.
-      if (one.left > kMaxInflation * kMaxInflation * freedom_) continue;
-      one.log_factor = std::log(course.share / sizes) + logLikelihood(one.left) - stayed +
-                       0.5 * (one.variance.array() / variance).log().sum();
+      if (one.left > kMaxBirgeRatio * kMaxBirgeRatio * freedom_) continue;
+      const double log_likelihood =
+          logLikelihood(one.left) - stayed + 0.5 * (one.variance.array() / variance).log().sum();
+      one.log_factor = std::log(course.share / sizes) + log_likelihood;
+      if (one.perMinute() <= kFastestDrift && course.odds > 0.0)
+        one.log_odds = std::log(course.odds / sizes) + log_likelihood;
       result.push_back(std::move(one));
     }
   }
@@ -260,7 +272,7 @@ LensCourse Account::conclude() const {
   }
   for (const Hypothesis& one : all) {
     if (one.course->kind != Kind::kDrift) continue;
-    result.rate += std::exp(one.log_factor - result.drift) * one.size * one.course->per_minute;
+    result.rate += std::exp(one.log_factor - result.drift) * one.perMinute();
   }
   average(all, &result);
   return result;
@@ -268,17 +280,16 @@ LensCourse Account::conclude() const {
 
 // Over all hypotheses, and a lens that stayed.
 void Account::average(const std::vector<Hypothesis>& hypotheses, LensCourse* result) const {
-  const double most = std::max({0.0, result->step, result->drift, result->outlier});
+  double most = 0.0;
+  for (const Hypothesis& one : hypotheses) most = std::max(most, one.log_odds);
   double sum = std::exp(-most);
-  for (const double factor : {result->step, result->drift, result->outlier}) {
-    sum += kOdds * std::exp(factor - most);
-  }
+  for (const Hypothesis& one : hypotheses) sum += std::exp(one.log_odds - most);
   const double log_total = most + std::log(sum);
   const Intrinsics stayed = *covariance_ * gradient_;
   Mixture mixture(point_.size());
   mixture.add(std::exp(-log_total), stayed, variance(square_) * *covariance_);
   for (const Hypothesis& one : hypotheses) {
-    const double weight = kOdds * std::exp(one.log_factor - log_total);
+    const double weight = std::exp(one.log_odds - log_total);
     if (weight < kNegligible) continue;
     const Eigen::MatrixXd& leverage = one.course->leverage;
     const Intrinsics off = leverage * one.variance.cwiseProduct(one.course->gradient).eval();

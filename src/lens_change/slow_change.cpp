@@ -30,6 +30,7 @@ bool overlap(const Candidate& candidate, const QuadraticLikelihood& likelihood) 
 
 std::vector<QuadraticLikelihood> ownLikelihoods(const std::vector<Candidate>& candidates) {
   std::vector<QuadraticLikelihood> own;
+  own.reserve(candidates.size());
   for (const Candidate& candidate : candidates) own.push_back(ownLikelihood(candidate));
   return own;
 }

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/estimation/gate.h"
 
 namespace camera_self_calibration {
 namespace {
 
 constexpr std::size_t kMinKnown = 15;
-constexpr double kGrossSigmas = 5.0;
 constexpr double kMedianNorm = 1.1774;  // of two standard normal coordinates
 constexpr int kDepthSteps = 6;
 

@@ -8,6 +8,7 @@
 #include <set>
 #include <utility>
 
+#include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
 #include "camera_self_calibration/geometry/so3.h"
@@ -15,10 +16,7 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr std::size_t kMinSeen = 15;
-constexpr std::size_t kMinAlike = 12;       // of the features matched by their looks alone
 constexpr std::size_t kFewest = 8;          // that a pose is computed from
-constexpr double kMinShare = 0.35;          // of the matches
 constexpr double kMinFound = 0.25;          // of what a place showed and is in view
 constexpr double kTolerance = 3.0 / 640.0;  // [image widths] A corner is not found twice at a spot.
 constexpr double kReach = 10.0 / 640.0;     // [image widths] Of a prediction.
@@ -28,6 +26,13 @@ constexpr int kMaxSamples = 150;
 constexpr double kMissed = 1e-3;  // probability that no sample was free of wrong matches
 constexpr int kSampleSize = 4;
 constexpr double kHuber = 2.0;
+// A pose has six degrees of freedom: it can be made to agree with three features, whatever these
+// are.
+constexpr int kFitted = 3;
+// Wrong recognitions, where the images show other places than those that are known: those that one
+// is willing to bear, and the poses that are put to the test at five keyframes a second.
+constexpr double kFalseAlarmsPerHour = 1e-3;
+constexpr double kPosesPerHour = 3.0 * 5.0 * 3600.0;
 
 // The point of a map that a feature looks most like.
 struct Nearest {
@@ -120,6 +125,15 @@ std::vector<SeenAgain> largestAgreement(const Place& place, const std::vector<Se
   return best;
 }
 
+// Whether so many matches agree with a pose that fewer than `alarms` of `tests` wrong poses would
+// do as well (a contrario: Moisan & Stival 2004). `fitted` of them agree with any pose made from
+// them.
+bool agreeBeyondChance(double tests, double alarms, std::size_t seen, std::size_t matches,
+                       int fitted, double by_chance) {
+  return falseAlarms(tests, static_cast<int>(seen) - fitted, static_cast<int>(matches) - fitted,
+                     by_chance) < alarms;
+}
+
 // Whether enough is found again of what one place showed. A wall that merely repeats some of
 // another one's picture leaves most of its points unexplained.
 bool showsAPlace(const RecognizedPlace& recognized, const std::vector<Place>& places,
@@ -194,9 +208,16 @@ std::vector<SeenAgain> matchNear(const std::vector<Place>& places, std::uint64_t
 
 std::optional<Rigid3> poseAtPlace(const Place& place, const std::vector<SeenAgain>& matches,
                                   const Camera& camera) {
-  if (matches.size() < kMinAlike) return std::nullopt;
+  if (matches.size() < kFewest) return std::nullopt;
   const std::vector<SeenAgain> seen = largestAgreement(place, matches, camera);
-  if (seen.size() < std::max<double>(kMinAlike, kMinShare * matches.size())) return std::nullopt;
+  if (seen.size() < kFewest) return std::nullopt;
+  // Where nothing belongs together a match is anywhere in the image. Less than one such pose of all
+  // that were tried is good enough for a guess that confirmPose looks into.
+  const double reach = kTolerance * camera.width();
+  const double by_chance = M_PI * reach * reach / (camera.width() * camera.height());
+  if (!agreeBeyondChance(kMaxSamples, 1.0, seen.size(), matches.size(), kSampleSize, by_chance)) {
+    return std::nullopt;
+  }
   const PoseEstimate pose = poseFrom(seen, turnedTo(place, seen, camera), camera);
   return pose.usable ? std::make_optional(pose.world_from_camera) : std::nullopt;
 }
@@ -220,7 +241,10 @@ std::optional<RecognizedPlace> confirmPose(const std::vector<Place>& places, std
     result.old_from_camera = pose.world_from_camera;
     result.seen = agreeing(matches, result.old_from_camera, camera);
   }
-  if (result.seen.size() < std::max<double>(kMinSeen, kMinShare * matches.size())) {
+  // At a wrong pose, what is near enough to be matched is anywhere in its reach.
+  constexpr double kByChance = kTolerance * kTolerance / (kReach * kReach);
+  if (!agreeBeyondChance(kPosesPerHour, kFalseAlarmsPerHour, result.seen.size(), matches.size(),
+                         kFitted, kByChance)) {
     return std::nullopt;
   }
   if (!showsAPlace(result, places, camera)) return std::nullopt;

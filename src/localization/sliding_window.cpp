@@ -5,7 +5,6 @@
 #include <utility>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/localization/moving_tracks.h"
@@ -16,9 +15,6 @@ namespace {
 
 // Baseline over depth below which poses do not fix the scale, nor the depths.
 constexpr double kSeparatedPoses = 1e-2;
-
-// Beyond so many scaled sigmas, and the option's pixels, a track does not belong to a rigid scene.
-constexpr double kGrossSigmas = 5.0;
 
 // Intrinsics as near as this to those that the window was solved with, far below the tracker's
 // sigma, change nothing that the next keyframe's solution will not see to.
@@ -187,7 +183,7 @@ std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Tr
   if (!known) return std::nullopt;
   const double middle_row = 0.5 * (camera_.height() - 1);
   return PointView{known->direction, known->origin, known->inverse_depth,
-                   asSeenAtOnce(track.pixel, track.motion, middle_row, map_.rowTimeS()),
+                   asSeenAtOnce(track.pixel, track.motion, middle_row, map_.lineDelayS()),
                    track.sigma};
 }
 

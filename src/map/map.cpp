@@ -19,7 +19,7 @@ const Map::Sighting* sightingIn(const Map::Point& point, std::int64_t keyframe_i
 void Map::addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks,
                       double new_inverse_depth, const Camera& camera) {
   keyframes_.push_back(keyframe);
-  keyframes_.back().row_time_s = row_time_s_;
+  keyframes_.back().line_delay_s = line_delay_s_;
   for (const Track& track : tracks) {
     const auto [entry, is_new] = points_.try_emplace(track.id);
     Point& point = entry->second;
@@ -33,7 +33,7 @@ void Map::addKeyframe(const Keyframe& keyframe, const std::vector<Track>& tracks
     point.sightings.push_back({keyframe.id, track.pixel, track.sigma});
     Sighting& sighting = point.sightings.back();
     sighting.shift.motion = track.motion;
-    placePixel(row_time_s_, camera.height(), &sighting.pixel, &sighting.shift);
+    placePixel(line_delay_s_, camera.height(), &sighting.pixel, &sighting.shift);
   }
   while (static_cast<int>(keyframes_.size()) > max_keyframes_) removeOldest(camera);
 }
@@ -68,12 +68,12 @@ void Map::changeLens(std::int64_t onset_ns, const Camera& earlier, const Camera&
   change_ns_ = onset_ns;
 }
 
-void Map::setRowTime(double row_time_s, int image_height) {
-  row_time_s_ = row_time_s;
-  for (Keyframe& keyframe : keyframes_) keyframe.row_time_s = row_time_s;
+void Map::setLineDelay(double line_delay_s, int image_height) {
+  line_delay_s_ = line_delay_s;
+  for (Keyframe& keyframe : keyframes_) keyframe.line_delay_s = line_delay_s;
   for (auto& [track_id, point] : points_) {
     for (Sighting& sighting : point.sightings) {
-      placePixel(row_time_s, image_height, &sighting.pixel, &sighting.shift);
+      placePixel(line_delay_s, image_height, &sighting.pixel, &sighting.shift);
     }
   }
 }
@@ -86,7 +86,7 @@ void Map::setMotions(std::int64_t keyframe_id, const std::map<std::int64_t, Imag
     for (Sighting& sighting : found->second.sightings) {
       if (sighting.keyframe_id != keyframe_id) continue;
       sighting.shift.motion = motion;
-      placePixel(row_time_s_, image_height, &sighting.pixel, &sighting.shift);
+      placePixel(line_delay_s_, image_height, &sighting.pixel, &sighting.shift);
     }
   }
 }
@@ -175,7 +175,7 @@ void Map::update(const Segment& segment) {
     for (Keyframe& keyframe : keyframes_) {
       if (keyframe.id != solved.id) continue;
       keyframe = solved;
-      keyframe.row_time_s = row_time_s_;
+      keyframe.line_delay_s = line_delay_s_;
     }
   }
   std::map<std::int64_t, const Rigid3*> solved_poses;  // by keyframe id

@@ -24,8 +24,8 @@ Eigen::Vector2d seenPixel(const Mover& mover) { return *mover.pixel + mover.shif
 
 class Scene {
  public:
-  Scene(double row_time_s, const Camera& camera, Segment* segment)
-      : row_time_s_(row_time_s),
+  Scene(double line_delay_s, const Camera& camera, Segment* segment)
+      : line_delay_s_(line_delay_s),
         middle_row_(0.5 * (camera.height() - 1)),
         camera_(camera),
         segment_(segment),
@@ -68,7 +68,7 @@ class Scene {
           (from.rotation * *ray + landmark.inverse_depth * (from.translation - to.translation));
       mover.point = MovingPoint{
           point, landmark.inverse_depth,
-          motionInTime(seenPixel(mover), shift->motion, middle_row_, row_time_s_), weight};
+          motionInTime(seenPixel(mover), shift->motion, middle_row_, line_delay_s_), weight};
     }
     movers_[static_cast<std::size_t>(keyframe)].push_back(mover);
   }
@@ -82,13 +82,13 @@ class Scene {
   void place(const Camera& camera, const std::optional<CameraMotion>& motion, Mover* mover) const {
     std::optional<ImageMotion> moves;
     if (motion && mover->point) moves = imageMotion(*mover->point, *motion, camera);
-    if (!moves) return placePixel(row_time_s_, camera.height(), mover->pixel, mover->shift);
+    if (!moves) return placePixel(line_delay_s_, camera.height(), mover->pixel, mover->shift);
     const Eigen::Vector2d seen = seenPixel(*mover);
-    *mover->pixel = asSeenAtOnceInTime(seen, *moves, middle_row_, row_time_s_);
+    *mover->pixel = asSeenAtOnceInTime(seen, *moves, middle_row_, line_delay_s_);
     mover->shift->shift = seen - *mover->pixel;
   }
 
-  double row_time_s_;
+  double line_delay_s_;
   double middle_row_;
   const Camera& camera_;
   Segment* segment_;
@@ -97,26 +97,26 @@ class Scene {
 
 }  // namespace
 
-void placePixel(double row_time_s, int image_height, Eigen::Vector2d* pixel, RowShift* shift) {
+void placePixel(double line_delay_s, int image_height, Eigen::Vector2d* pixel, RowShift* shift) {
   const Eigen::Vector2d seen = *pixel + shift->shift;
-  *pixel = asSeenAtOnce(seen, shift->motion, 0.5 * (image_height - 1), row_time_s);
+  *pixel = asSeenAtOnce(seen, shift->motion, 0.5 * (image_height - 1), line_delay_s);
   shift->shift = seen - *pixel;
 }
 
-void setRowTime(double row_time_s, int image_height, Segment* segment) {
-  for (Keyframe& keyframe : segment->keyframes) keyframe.row_time_s = row_time_s;
+void setLineDelay(double line_delay_s, int image_height, Segment* segment) {
+  for (Keyframe& keyframe : segment->keyframes) keyframe.line_delay_s = line_delay_s;
   for (Landmark& landmark : segment->landmarks) {
-    placePixel(row_time_s, image_height, &landmark.reference_pixel, &landmark.reference_shift);
+    placePixel(line_delay_s, image_height, &landmark.reference_pixel, &landmark.reference_shift);
   }
   for (Observation& observation : segment->observations) {
-    placePixel(row_time_s, image_height, &observation.pixel, &observation.shift);
+    placePixel(line_delay_s, image_height, &observation.pixel, &observation.shift);
   }
 }
 
-void setRowTimeOfScene(double row_time_s, const Camera& camera, Segment* segment) {
-  if (row_time_s == 0.0) return setRowTime(row_time_s, camera.height(), segment);
-  for (Keyframe& keyframe : segment->keyframes) keyframe.row_time_s = row_time_s;
-  Scene scene(row_time_s, camera, segment);
+void setLineDelayOfScene(double line_delay_s, const Camera& camera, Segment* segment) {
+  if (line_delay_s == 0.0) return setLineDelay(line_delay_s, camera.height(), segment);
+  for (Keyframe& keyframe : segment->keyframes) keyframe.line_delay_s = line_delay_s;
+  Scene scene(line_delay_s, camera, segment);
   scene.collect();
   scene.place();
 }

@@ -81,6 +81,7 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
                                                 const SeenImage& image, int threads) {
   if (keyframes < next_ && !(verdict_due && report_.better.empty())) return std::nullopt;
   std::vector<std::int64_t> sequences;
+  sequences.reserve(queue.size());
   for (const Candidate& candidate : queue) sequences.push_back(candidate.segment.sequence);
   if (!solution.usable || sequences == compared_) return std::nullopt;
   compared_ = std::move(sequences);

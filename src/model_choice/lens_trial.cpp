@@ -138,11 +138,11 @@ LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial&
   const double scale = share * marginal.sigmaScale();
   const Scatter own = scatterOf(marginal);
   const Scatter& scatter =
-      own.inflation() < observations.scatter.inflation() ? own : observations.scatter;
-  const double disagreement = scatter.inflation() * scatter.inflation();
+      own.birgeRatio() < observations.scatter.birgeRatio() ? own : observations.scatter;
+  const double disagreement = scatter.birgeRatio() * scatter.birgeRatio();
   LensKnowledge knowledge;
   knowledge.variance = disagreement * scale * scale;
-  if (scatter.inflationFreedom() > 0) {
+  if (scatter.birgeFreedom() > 0) {
     const Scatter moderated = scatter.moderated();
     knowledge.freedom = moderated.freedom;
     knowledge.variance = moderated.chi_square / moderated.freedom * scale * scale;

@@ -28,7 +28,7 @@ BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
     state_.outcome = considerCandidate(message);
     considerDrift();
     recallSetting();
-    considerRowTime();
+    considerLineDelay();
     considerHandover();
     considerLensFit();
   }
@@ -58,8 +58,17 @@ void BackEnd::runStartup(const Segment& history) {
        state_.known.camera.estimatedCount() != present.estimatedCount())) {
     clearQueue();  // its segments were scored for other parameters
   }
+  keepFinishedBatch();
   followTheBetter();
   considerStartupModel();
+}
+
+// What a batch forgets, as the camera moves on, is kept as a segment, if it was good enough for
+// hand-over: what is vague may be a wrong minimum.
+void BackEnd::keepFinishedBatch() {
+  const std::optional<Startup::Solution> finished = state_.startup.takeFinished();
+  if (!finished || !(finished->rms < handoverLimits().pixel_rms)) return;
+  offer(evaluateCandidate(CandidateOptions(), finished->segment, finished->camera));
 }
 
 void BackEnd::followTheBetter() {
@@ -153,7 +162,7 @@ void BackEnd::recallSetting() {
   if (!setting) return;
   SegmentQueue queue = setting->queue;
   const Camera camera = queue.solution().camera;
-  // The row time may have been learnt since then.
+  // The line delay may have been learnt since then.
   queue.rebuild(state_.shutter.freed(queue.candidates(), camera), state_.shutter.startFrom(camera));
   if (!queue.solution().usable) return;
   state_.queue = std::move(queue);
@@ -165,17 +174,17 @@ void BackEnd::recallSetting() {
                                   std::to_string(setting->epoch) + ": its queue is in use again");
 }
 
-void BackEnd::considerRowTime() {
+void BackEnd::considerLineDelay() {
   const bool another = isStarting(state_.phase)
                            ? state_.shutter.ask(state_.startup)
                            : state_.shutter.ask(state_.queue, state_.outcome.accepted);
-  if (another) adoptRowTime();
+  if (another) adoptLineDelay();
 }
 
 // The queue's segments stay, evaluated anew.
-void BackEnd::adoptRowTime() {
-  const double row_time_s = state_.shutter.rowTime().inUse();
-  if (isStarting(state_.phase)) state_.startup.setRowTime(row_time_s);
+void BackEnd::adoptLineDelay() {
+  const double line_delay_s = state_.shutter.lineDelay().inUse();
+  if (isStarting(state_.phase)) state_.startup.setLineDelay(line_delay_s);
   state_.watch.forgetWindows();
   state_.queue.rebuild(state_.shutter.freed(state_.queue.candidates(), state_.known.camera),
                        queueStart());
@@ -190,7 +199,7 @@ void BackEnd::adoptRowTime() {
 
 void BackEnd::considerHandover() {
   if (!isStarting(state_.phase)) return;
-  const HandoverLimits limits{2.0 * convergedRms(), options_.handover_entropy};
+  const HandoverLimits limits = handoverLimits();
   const PixelError startup_uncertainty = startupUncertainty(state_.startup, state_.field);
   if (state_.queue.candidates().size() < 2 && startup_uncertainty.rms < limits.pixel_rms) {
     offerHalves();
@@ -210,6 +219,15 @@ void BackEnd::considerHandover() {
             "startup has ended: the calibration now rests on a queue of video segments, good to "
             "%.2f px rms (limit %.2f px)",
             state_.uncertainty().rms, limits.pixel_rms));
+}
+
+void BackEnd::advance(PhaseTrigger trigger) {
+  state_.phase = after(state_.phase, trigger);
+  state_.queue.setFilling(isStarting(state_.phase));
+}
+
+HandoverLimits BackEnd::handoverLimits() const {
+  return {2.0 * convergedRms(), options_.handover_entropy};
 }
 
 // Windows that overlap replace one another, so that a short video, or slow motion, seldom leaves

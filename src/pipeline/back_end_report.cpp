@@ -53,6 +53,7 @@ HealthVerdict verdictOn(const BackEndState& state, double converged_rms) {
   evidence.uncertainty = state.uncertainty();
   evidence.seeing_share = state.field.share();
   evidence.threshold_px = converged_rms;
+  if (by_queue) evidence.blind_below_px = state.known.cross_validation.blindBelowPx();
   evidence.epoch = state.counters.epoch;
   evidence.obstacle = state.obstacle;
   // What the user can do about it; where the model is chosen it follows by itself.
@@ -73,7 +74,7 @@ CalibrationReport reportOf(const BackEndState& state) {
   report.covariance = state.known.covariance;
   if (queueLeads(state.phase)) {
     const Scatter& scatter = state.queue.solution().scatter;
-    if (scatter.inflationFreedom() > 0) report.scatter_freedom = scatter.moderated().freedom;
+    if (scatter.birgeFreedom() > 0) report.scatter_freedom = scatter.moderated().freedom;
   }
   report.uncertainty = state.uncertainty();
   report.entropy = entropy(state.known.camera, state.known.covariance);
@@ -105,7 +106,7 @@ CalibrationUpdate updateOf(const BackEndState& state) {
   update.handed_over = state.phase == Phase::kHandedOver;
   update.uncertainty_px = state.uncertainty().rms;
   update.epoch = state.counters.epoch;
-  update.row_time_s = state.shutter.rowTime().inUse();
+  update.line_delay_s = state.shutter.lineDelay().inUse();
   update.onset_ns = state.watch.onsetNs();
   if (!queueLeads(state.phase)) update.solution = state.startup.segment();
   return update;
@@ -120,9 +121,9 @@ std::shared_ptr<const LearntState> learntStateOf(const BackEndState& state) {
   learnt->keyframes = state.keyframes;
   learnt->revision = state.counters.revision;
   learnt->epoch = state.counters.epoch;
-  learnt->row_time_s = state.shutter.rowTime().inUse();
-  const RowTimeEstimate& row_time = state.shutter.rowTime().estimate();
-  if (row_time.usable) learnt->row_time_sigma_s = row_time.sigma_s;
+  learnt->line_delay_s = state.shutter.lineDelay().inUse();
+  const LineDelayEstimate& line_delay = state.shutter.lineDelay().estimate();
+  if (line_delay.usable) learnt->line_delay_sigma_s = line_delay.sigma_s;
   learnt->segments = state.queue.candidates();
   return learnt;
 }

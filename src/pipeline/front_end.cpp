@@ -39,10 +39,10 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t fi
       keyframe_rule_(options.keyframe),
       relocalizer_(options.relocalization_keyframes),
       keyframes_(first_keyframe) {
-  window_.setRowTime(options_.readout_s / rowSteps(camera.height()));
+  window_.setLineDelay(options_.readout_s / rowSteps(camera.height()));
   if (options_.fix_intrinsics) {
     CalibrationUpdate held;
-    held.row_time_s = window_.map().rowTimeS();
+    held.line_delay_s = window_.map().lineDelayS();
     held.camera = camera;
     held.handed_over = true;
     adopt(held);
@@ -59,7 +59,7 @@ void FrontEnd::adopt(const CalibrationUpdate& update) {
     window_.changeLens(update.onset_ns);
     monitor_.reset();
   }
-  if (update.row_time_s != window_.map().rowTimeS()) window_.setRowTime(update.row_time_s);
+  if (update.line_delay_s != window_.map().lineDelayS()) window_.setLineDelay(update.line_delay_s);
   if (update.solution) {
     window_.adopt(update.camera, update.generation, update.handed_over, *update.solution);
   } else {
@@ -84,7 +84,7 @@ void FrontEnd::resetMap() {
 
 void FrontEnd::restart(const Camera& camera, std::int64_t first_keyframe) {
   window_ = SlidingWindow(windowOptions(options_), camera);
-  window_.setRowTime(options_.readout_s / rowSteps(camera.height()));
+  window_.setLineDelay(options_.readout_s / rowSteps(camera.height()));
   resetMap();
   relocalizer_.clear();
   handed_over_ = false;

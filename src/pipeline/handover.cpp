@@ -16,7 +16,7 @@ std::string doubtOf(const SegmentQueue& queue, const QueueStanding& standing, do
   if (segments < 2 || !queue.solution().usable) {
     return "two segments of video that do not overlap are needed";
   }
-  if (segments < 3 && scatter.inflationFreedom() > 0) {
+  if (segments < 3 && scatter.birgeFreedom() > 0) {
     return "the first two segments disagree; a third will decide";
   }
   if (standing.contradicts_startup) {
@@ -25,9 +25,9 @@ std::string doubtOf(const SegmentQueue& queue, const QueueStanding& standing, do
         "uncertainty",
         distance_px, kMaxStartupDistance);
   }
-  if (scatter.inflation() > kMaxInflation) {
+  if (scatter.birgeRatio() > kMaxBirgeRatio) {
     return formatted("the segments disagree by %.1f times their uncertainty (accepted: up to %.1f)",
-                     scatter.inflation(), kMaxInflation);
+                     scatter.birgeRatio(), kMaxBirgeRatio);
   }
   return "";
 }

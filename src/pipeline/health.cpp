@@ -21,6 +21,10 @@ constexpr double kUselessUncertaintyShare = 0.02;
 // and this is twice that.
 constexpr double kHysteresis = 1.5;
 
+// Halves that are as good as each other differ by twice the uncertainty of both together. Up to
+// twice that, at the threshold, the weaker half is a check: it has a fourteenth of the information.
+constexpr double kMostBetweenHalves = 4.0;
+
 // What is less than this share of the image that sees is worth a word.
 constexpr double kWholeImage = 0.98;
 
@@ -98,7 +102,8 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
                           bool was_converged) {
   const double rms = evidence.uncertainty.rms;
   const double allowed = (was_converged ? kHysteresis : 1.0) * evidence.threshold_px;
-  if (evidence.handed_over && rms <= allowed) {
+  const bool checked = evidence.blind_below_px <= kMostBetweenHalves * allowed;
+  if (evidence.handed_over && rms <= allowed && checked) {
     return {CalibrationState::kConverged,
             "the calibration is " + goodTo(evidence) + limitToLeave(evidence), ""};
   }
@@ -109,6 +114,12 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
             "set the parameter model to " + settable(evidence.better_model)};
   }
   const WeakDirection weak = weakest(evidence, camera);
+  if (evidence.handed_over && rms <= allowed) {
+    return {CalibrationState::kConverging,
+            "the calibration is " + goodTo(evidence) +
+                ", but one part of the video alone says so; no other one checks it",
+            "move so once more: " + weak.hint};
+  }
   if (evidence.handed_over) {
     return {CalibrationState::kConverging,
             "the calibration is " + goodTo(evidence) +

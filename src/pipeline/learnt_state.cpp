@@ -32,7 +32,7 @@ void write(const Keyframe& keyframe, ByteWriter* out) {
   for (int i = 0; i < 4; ++i) out->real(keyframe.world_from_camera.rotation.coeffs()(i));
   for (int i = 0; i < 3; ++i) out->real(keyframe.world_from_camera.translation(i));
   for (int i = 0; i < 6; ++i) out->real(keyframe.velocity(i));
-  out->real(keyframe.row_time_s);
+  out->real(keyframe.line_delay_s);
   out->integer(keyframe.calibration_generation);
 }
 
@@ -107,7 +107,7 @@ void write(const BagRecord& record, ByteWriter* out) {
   out->matrix(record.covariance);
   out->integer(static_cast<std::uint64_t>(record.scatter.freedom));
   for (const double value : {record.scatter.chi_square, record.uncertainty_px, record.misfit_px,
-                             record.row_time_s, record.row_time_sigma_s}) {
+                             record.line_delay_s, record.line_delay_sigma_s}) {
     out->real(value);
   }
   writeList(record.segments, out);
@@ -140,7 +140,7 @@ void read(StateReader* in, Keyframe* keyframe) {
   for (int i = 0; i < 4; ++i) keyframe->world_from_camera.rotation.coeffs()(i) = in->real();
   for (int i = 0; i < 3; ++i) keyframe->world_from_camera.translation(i) = in->real();
   for (int i = 0; i < 6; ++i) keyframe->velocity(i) = in->real();
-  keyframe->row_time_s = in->real();
+  keyframe->line_delay_s = in->real();
   keyframe->calibration_generation = in->integer();
 }
 
@@ -220,7 +220,7 @@ void read(StateReader* in, BagRecord* record) {
   record->covariance = in->matrix(kMaxIntrinsics, kMaxIntrinsics);
   record->scatter.freedom = static_cast<int>(in->integer());
   for (double* value : {&record->scatter.chi_square, &record->uncertainty_px, &record->misfit_px,
-                        &record->row_time_s, &record->row_time_sigma_s}) {
+                        &record->line_delay_s, &record->line_delay_sigma_s}) {
     *value = in->real();
   }
   readList(in, &record->segments);
@@ -280,8 +280,8 @@ bool isSound(const BagRecord& record) {
          record.scatter.freedom >= 0 && record.begin_ns <= record.end_ns &&
          std::isfinite(record.scatter.chi_square) && record.uncertainty_px >= 0.0 &&
          record.misfit_px >= 0.0 && std::isfinite(record.uncertainty_px) &&
-         std::isfinite(record.misfit_px) && std::abs(record.row_time_s) < 1.0 &&
-         record.row_time_sigma_s >= 0.0;
+         std::isfinite(record.misfit_px) && std::abs(record.line_delay_s) < 1.0 &&
+         record.line_delay_sigma_s >= 0.0;
 }
 
 }  // namespace
@@ -292,7 +292,7 @@ std::vector<std::string> LearntState::problems() const {
     list.push_back("its camera is not valid");
     return list;
   }
-  if (!(std::abs(row_time_s) < 1.0) || !(row_time_sigma_s >= 0.0)) {
+  if (!(std::abs(line_delay_s) < 1.0) || !(line_delay_sigma_s >= 0.0)) {
     list.push_back("its time between image rows is not sound");
   }
   if (segments.empty()) list.push_back("it holds no segment of video");
@@ -315,8 +315,8 @@ std::string encode(const LearntState& state) {
   out.integer(static_cast<std::uint64_t>(state.keyframes));
   out.integer(state.revision);
   out.integer(state.epoch);
-  out.real(state.row_time_s);
-  out.real(state.row_time_sigma_s);
+  out.real(state.line_delay_s);
+  out.real(state.line_delay_sigma_s);
   writeList(state.segments, &out);
   writeList(state.bags, &out);
   const std::string text = kMagic + out.bytes();
@@ -349,8 +349,8 @@ DecodedState decodeState(const std::string& bytes) {
   state->revision = in.integer();
   state->epoch = in.integer();
   if (in.version > kWithoutShutter) {
-    state->row_time_s = in.real();
-    state->row_time_sigma_s = in.real();
+    state->line_delay_s = in.real();
+    state->line_delay_sigma_s = in.real();
   }
   readList(&in, &state->segments);
   if (in.version > kWithoutBags) readList(&in, &state->bags);

@@ -36,7 +36,7 @@ ChangeVerdict LensWatch::examine(const KeyframeMessage& message, const Candidate
 void LensWatch::remember(std::int64_t stamp_ns, const Startup& startup,
                          const PixelError& uncertainty, double converged_rms) {
   if (!(uncertainty.rms < (first_lens_ ? kToldFirstLens : kToldLens) * converged_rms)) return;
-  const double sigmas = kStartupSigmas * usual_scatter_.inflation();
+  const double sigmas = kStartupSigmas * usual_scatter_.birgeRatio();
   course_.emplace_back(
       stamp_ns,
       Reference{startup.camera(), startup.information() / (sigmas * sigmas), usual_scatter_});

@@ -22,6 +22,14 @@ CameraModel Options::firstModel() const {
   return model.value_or(initial_camera ? initial_camera->model() : CameraModel::kPinhole);
 }
 
+Options Options::withHeld(const Camera& camera) const {
+  Options held = *this;
+  held.model = camera.model();
+  held.initial_camera = camera;
+  held.fix_intrinsics = true;
+  return held;
+}
+
 double Options::convergedRms(int width) const {
   constexpr double kPixelsPerWidth = 1.0 / 640.0;
   return converged_pixel_rms > 0.0 ? converged_pixel_rms : kPixelsPerWidth * width;

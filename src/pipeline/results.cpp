@@ -32,6 +32,8 @@ std::string toString(EventType type) {
       return "RELOCALIZED";
     case EventType::kInput:
       return "INPUT";
+    case EventType::kMountChanged:
+      return "MOUNT_CHANGED";
   }
   return "";
 }

@@ -29,7 +29,7 @@ void SelfCalibrator::processTracks(const TrackedFrame& frame,
                                    const Describe& describe) {
   impl_->checkSource(false);
   if (!impl_->accept(frame)) return;
-  impl_->processFrame(frame, detect, describe, std::chrono::steady_clock::now());
+  impl_->processFrame(frame, ImageView(), detect, describe, std::chrono::steady_clock::now());
 }
 
 void SelfCalibrator::resetTracking() { impl_->requests.resetTracking(); }

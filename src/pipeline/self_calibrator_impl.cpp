@@ -196,7 +196,7 @@ void SelfCalibrator::Impl::processImage(const ImageView& image) {
   if (!accept(header)) return;
   const TrackedFrame frame = tracker.track(image);  // a copy: detect() adds to the tracker's own
   processFrame(
-      frame, [this] { return tracker.detect(); },
+      frame, image, [this] { return tracker.detect(); },
       [&](const std::vector<Track>& tracks, int corners) {
         return describe(image, tracks,
                         corners > 0 ? tracker.corners(corners) : std::vector<Eigen::Vector2d>());
@@ -211,7 +211,7 @@ MapView SelfCalibrator::Impl::mapView(const FrontEndOutput& output) const {
           starting ? message.history : message.candidate};
 }
 
-void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
+void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame, const ImageView& image,
                                         const std::function<std::vector<Track>()>& detect,
                                         const Describe& describe_tracks,
                                         std::chrono::steady_clock::time_point begin) {
@@ -228,6 +228,7 @@ void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame,
     distrustStart(frame, output.contradicted);
   }
   output.result.tracks = frame;
+  output.result.image = image;
   tracking = output.result.state == TrackingState::kTracking;
   for (const Event& event : output.events) raise(event);
   if (output.keyframe) {

@@ -26,7 +26,8 @@ struct SelfCalibrator::Impl {
   ~Impl();
 
   void processImage(const ImageView& image);
-  void processFrame(const TrackedFrame& frame, const std::function<std::vector<Track>()>& detect,
+  void processFrame(const TrackedFrame& frame, const ImageView& image,
+                    const std::function<std::vector<Track>()>& detect,
                     const Describe& describe_tracks, std::chrono::steady_clock::time_point begin);
   MapView mapView(const FrontEndOutput& output) const;
   void processKeyframe(const KeyframeMessage& message);

@@ -51,9 +51,11 @@ class Chart {
     const bool one_column = area.height >= kLowestRow * (parameters + 1);
     const int columns = one_column ? 1 : 2;
     const double width = area.width / columns;
-    const double height = area.height / (parameters / columns + 1);
+    const int rows = parameters / columns + 1;
+    const double height = area.height / rows;
     const auto corner = [&](int i) {
-      return cv::Point2d(width * (i % columns), area.y + height * (i / columns));
+      const int row = i / columns;
+      return cv::Point2d(width * (i % columns), area.y + height * row);
     };
     for (int i = 0; i < parameters; ++i) {
       drawParameter(i, panelIn(cv::Rect2d(corner(i), cv::Size2d(width, height))));

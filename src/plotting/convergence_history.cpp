@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
+#include "camera_self_calibration/base/stamp.h"
+
 namespace camera_self_calibration {
 namespace {
-
-double toSeconds(std::int64_t nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
 
 Intrinsics sigmasOf(const CalibrationReport& report) {
   const Eigen::Index estimated = report.covariance.rows();

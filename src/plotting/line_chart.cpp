@@ -169,9 +169,9 @@ Sheet drawLineCharts(const std::vector<LineChart>& charts, const LineChartSheet&
   const Range x = xRange(charts);
   const double width = static_cast<double>(style.width) / columns;
   for (std::size_t i = 0; i < charts.size(); ++i) {
-    const int index = static_cast<int>(i);
-    const cv::Rect2d area(width * (index % columns) + kLeft,
-                          header + style.panel_height * (index / columns) + kTop,
+    const int column = static_cast<int>(i) % columns;
+    const int row = static_cast<int>(i) / columns;
+    const cv::Rect2d area(width * column + kLeft, header + style.panel_height * row + kTop,
                           width - kLeft - kRight, style.panel_height - kTop - kBottom);
     const Axes axes{area, x, yRange(charts[i], style.quantile), charts[i].logarithmic_y};
     drawPanel(charts[i], axes, colours, &sheet);

@@ -40,6 +40,7 @@ Colour stateColour(CalibrationState state) {
 Colour eventColour(EventType type) {
   switch (type) {
     case EventType::kCalibrationChange:
+    case EventType::kMountChanged:
     case EventType::kLost:
       return stateColour(CalibrationState::kDegenerate);
     case EventType::kConverged:

@@ -32,7 +32,7 @@ Intrinsics estimated(const Camera& camera) {
 
 double squared(double value) { return value * value; }
 
-// Sums of gradient and information at the reference, with its inflation.
+// Sums of gradient and information at the reference, with its Birge ratio.
 QuadraticLikelihood pooled(const std::vector<QuadraticLikelihood>& likelihoods,
                            const Reference& reference) {
   const Intrinsics point = estimated(reference.camera);
@@ -45,7 +45,7 @@ QuadraticLikelihood pooled(const std::vector<QuadraticLikelihood>& likelihoods,
     sum.gradient += one.gradientAt(point);
     sum.information += one.information;
   }
-  const double weight = 1.0 / squared(reference.scatter.inflation());
+  const double weight = 1.0 / squared(reference.scatter.birgeRatio());
   sum.gradient *= weight;
   sum.information *= weight;
   return sum;
@@ -114,7 +114,7 @@ std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t en
   if (!solution.usable) return std::nullopt;
   const int count = solution.camera.estimatedCount();
   // Of the rest, at the joint optimum.
-  IntrinsicsMatrix information = squared(solution.scatter.inflation()) * solution.information;
+  IntrinsicsMatrix information = squared(solution.scatter.birgeRatio()) * solution.information;
   Intrinsics gradient = Intrinsics::Zero(count);
   double chi_square = 0.0;
   int kept = 0;
@@ -140,7 +140,7 @@ std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t en
     chi_square = std::clamp(chi_square - gradient.dot(step), 0.0, solution.scatter.chi_square);
     reference.scatter = {chi_square, count * (kept - 1)};
   }
-  reference.information /= squared(reference.scatter.inflation());
+  reference.information /= squared(reference.scatter.birgeRatio());
   return reference;
 }
 
@@ -183,10 +183,11 @@ Camera withEstimated(const Camera& camera, const Intrinsics& values) {
 double pValue(double statistic, const Reference& reference) {
   const int count = reference.camera.estimatedCount();
   const Scatter& scatter = reference.scatter;
-  if (scatter.inflationFreedom() == 0) return chiSquareExceedance(statistic, count);
+  if (scatter.birgeFreedom() == 0) return chiSquareExceedance(statistic, count);
   const Scatter moderated = scatter.moderated();
   const double variance = moderated.chi_square / moderated.freedom;
-  const double ratio = squared(scatter.inflation()) / variance;  // statistic is in inflated sigmas
+  const double ratio =
+      squared(scatter.birgeRatio()) / variance;  // statistic is in sigmas times the Birge ratio
   return fExceedance(ratio * statistic / count, count, moderated.freedom);
 }
 

@@ -60,7 +60,7 @@ std::pair<Half, Half> halves(const QueueSolution& solution, const IntrinsicsMatr
 
 // Probability that `ratio`, a square over its expectation, is so large.
 double exceedance(double ratio, double freedom, const Scatter& scatter) {
-  const int scatter_freedom = scatter.inflationFreedom();
+  const int scatter_freedom = scatter.birgeFreedom();
   return scatter_freedom > 0 ? fExceedance(ratio, freedom, scatter_freedom)
                              : chiSquareExceedance(freedom * ratio, freedom);
 }
@@ -68,6 +68,10 @@ double exceedance(double ratio, double freedom, const Scatter& scatter) {
 }  // namespace
 
 bool CrossValidation::agrees() const { return p_value > kSignificance; }
+
+double CrossValidation::blindBelowPx() const {
+  return compared ? expected_px : std::numeric_limits<double>::infinity();
+}
 
 double CrossValidation::inflation() const {
   return agrees() ? 1.0 : std::max(1.0, difference_px / expected_px);

@@ -20,6 +20,21 @@ double scoreOf(ScoreKind kind, const SegmentScore& segment) {
   return kind == ScoreKind::kPixel ? std::log(segment.pixel_rms) : segment.entropy;
 }
 
+// The share of the candidate's length that replacing `overlapping` would leave unused.
+double shareLeftUnused(const SegmentScore& candidate,
+                       const std::vector<const SegmentScore*>& overlapping) {
+  const auto length = [](std::int64_t begin_ns, std::int64_t end_ns) {
+    return static_cast<double>(std::max<std::int64_t>(0, end_ns - begin_ns));
+  };
+  double unused = 0.0;
+  for (const SegmentScore* one : overlapping) {
+    unused +=
+        length(one->begin_ns, one->end_ns) - length(std::max(one->begin_ns, candidate.begin_ns),
+                                                    std::min(one->end_ns, candidate.end_ns));
+  }
+  return unused / std::max(1.0, length(candidate.begin_ns, candidate.end_ns));
+}
+
 double jointScore(ScoreKind kind, const IntrinsicsMatrix& information, const Camera& camera) {
   const auto covariance = covarianceFromInformation(information);
   if (!covariance) return INFINITY;
@@ -73,8 +88,8 @@ Rival worstRival(ScoreKind kind, const std::vector<SegmentScore>& segments) {
 }  // namespace
 
 QueueDecision QueuePolicy::consider(const SegmentScore& candidate,
-                                    const std::vector<SegmentScore>& segments,
-                                    const Camera& camera) const {
+                                    const std::vector<SegmentScore>& segments, const Camera& camera,
+                                    bool filling) const {
   QueueDecision decision;
   const double score = scoreOf(kind_, candidate);
   if (!candidate.well_posed || !std::isfinite(score)) {
@@ -90,12 +105,20 @@ QueueDecision QueuePolicy::consider(const SegmentScore& candidate,
     decision.reason = "accepted: the queue has room, and no segment overlaps";
     return decision;
   }
+  if (overlapping.size() > 1 && overlapping.size() == segments.size()) {
+    decision.reason = "refused: it overlaps all segments, and one alone cannot be checked";
+    return decision;
+  }
   const Rival rival = overlapping.empty() ? worstRival(kind_, segments)
                                           : overlappingRival(kind_, overlapping, camera);
   // The entropy is the sum of the logarithms of as many sigmas as there are intrinsics.
   const double sigmas =
       kind_ == ScoreKind::kPixel ? 1.0 : static_cast<double>(candidate.information.rows());
-  const double limit = rival.score - sigmas * std::log(1.0 / alpha_);
+  double margin = std::log(1.0 / alpha_);
+  // Time that is left unused is information that is lost: variances add up inversely.
+  if (filling && static_cast<int>(segments.size()) < capacity_)
+    margin = std::max(margin, 0.5 * std::log1p(shareLeftUnused(candidate, overlapping)));
+  const double limit = rival.score - sigmas * margin;
   decision.accepted = score < limit;
   if (decision.accepted) decision.replaced = rival.sequences;
   decision.reason = compare(kind_, decision.accepted, score, rival.name, limit);

@@ -13,15 +13,15 @@ Camera QueueSolution::present() const {
 
 IntrinsicsMatrix QueueSolution::presentCovariance() const {
   if (!drift.significant) return covariance;
-  // What the covariance allows for beyond the information: correlated errors, the row time.
+  // What the covariance allows for beyond the information: correlated errors, the line delay.
   const auto independent = covarianceFromInformation(information);
   return independent ? IntrinsicsMatrix(drift.covariance + covariance - *independent)
                      : drift.covariance;
 }
 
-void QueueSolution::addUncertaintyOf(const RowTimeEstimate& row_time, double doubt_s) {
-  if (!row_time.usable || row_time.slope.size() != covariance.rows()) return;
-  const Intrinsics deviation = doubt_s * row_time.slope;
+void QueueSolution::addUncertaintyOf(const LineDelayEstimate& line_delay, double doubt_s) {
+  if (!line_delay.usable || line_delay.slope.size() != covariance.rows()) return;
+  const Intrinsics deviation = doubt_s * line_delay.slope;
   covariance += deviation * deviation.transpose();
 }
 

@@ -13,13 +13,13 @@ constexpr double kByChance = 0.05;
 
 }  // namespace
 
-double Scatter::inflation() const {
+double Scatter::birgeRatio() const {
   return freedom > 0 ? std::sqrt(std::max(1.0, chi_square / freedom)) : 1.0;
 }
 
 Scatter Scatter::moderated() const { return {chi_square + kPriorFreedom, freedom + kPriorFreedom}; }
 
-int Scatter::inflationFreedom() const {
+int Scatter::birgeFreedom() const {
   return freedom > 0 && chiSquareExceedance(chi_square, freedom) < kByChance ? freedom : 0;
 }
 

@@ -67,7 +67,7 @@ SegmentScore scoreOf(const Candidate& candidate) {
 QueueDecision SegmentQueue::consider(const SegmentScore& candidate, const Camera& camera) const {
   std::vector<SegmentScore> scores;
   for (const Candidate& segment : candidates_) scores.push_back(scoreOf(segment));
-  return policy_.consider(candidate, scores, camera);
+  return policy_.consider(candidate, scores, camera, filling_);
 }
 
 QueueDecision SegmentQueue::take(const Candidate& candidate) {
@@ -170,7 +170,7 @@ void SegmentQueue::solve(const QueueStart& start) {
   }
   setCovariance(problem);
   solution_.usable = summary.usable && solution_.camera.valid() && solution_.covariance.size() > 0;
-  solution_.addUncertaintyOf(start.row_time, start.row_time_doubt_s);
+  solution_.addUncertaintyOf(start.line_delay, start.line_delay_doubt_s);
 }
 
 // Of a problem at its optimum.
@@ -183,8 +183,8 @@ void SegmentQueue::setCovariance(const Problem& problem) {
   // One segment alone cannot disagree: what was known of disagreement stays.
   if (freedom > 0) scatter_ = {chi_square, freedom};
   solution_.scatter = scatter_;
-  const double inflation = solution_.scatter.inflation();
-  const double variance = inflation * inflation;
+  const double ratio = solution_.scatter.birgeRatio();
+  const double variance = ratio * ratio;
   Marginal marginal =
       marginalize(problem, solverOptions(threads_).huber, threads_, DepthNoise::kDiscounted);
   solution_.information = marginal.whole_information / variance;
@@ -194,15 +194,15 @@ void SegmentQueue::setCovariance(const Problem& problem) {
   solution_.shares = std::move(marginal.shares);
 }
 
-RowTimeEstimate SegmentQueue::rowTime() const {
+LineDelayEstimate SegmentQueue::lineDelay() const {
   std::vector<Segment> segments;
   for (const Candidate& candidate : candidates_) segments.push_back(candidate.segment);
   std::vector<SegmentBlock> blocks;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     blocks.push_back(freeBlock(&segments[i], solution_.camera));
-    blocks.back().sigma_scale = candidates_[i].sigma_scale * solution_.scatter.inflation();
+    blocks.back().sigma_scale = candidates_[i].sigma_scale * solution_.scatter.birgeRatio();
   }
-  return estimateRowTime(blocks, solution_.camera, IntrinsicsPrior(), threads_);
+  return estimateLineDelay(blocks, solution_.camera, IntrinsicsPrior(), threads_);
 }
 
 }  // namespace camera_self_calibration

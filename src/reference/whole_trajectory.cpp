@@ -51,12 +51,12 @@ void WholeTrajectory::learnMotion(const Observation& seen, std::vector<Observati
   }
 }
 
-void WholeTrajectory::setRowTime(double row_time_s, int image_height) {
+void WholeTrajectory::setLineDelay(double line_delay_s, int image_height) {
   for (Stretch& stretch : stretches_) {
-    camera_self_calibration::setRowTime(row_time_s, image_height, &stretch.segment);
+    camera_self_calibration::setLineDelay(line_delay_s, image_height, &stretch.segment);
     for (std::vector<Observation>& seen : stretch.observations) {
       for (Observation& observation : seen) {
-        placePixel(row_time_s, image_height, &observation.pixel, &observation.shift);
+        placePixel(line_delay_s, image_height, &observation.pixel, &observation.shift);
       }
     }
   }

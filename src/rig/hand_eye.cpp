@@ -57,7 +57,6 @@ void solvePosition(const std::vector<MotionPair>& motions, HandEye* result) {
     const Eigen::Vector4d x =
         Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix4d>(normal).solve(right);
     result->position = x.head<3>();
-    result->scale = x(3);
     for (std::size_t i = 0; i < motions.size(); ++i) {
       residuals[i] = (rows(motions[i]) * x + motions[i].rig.translation).norm();
     }

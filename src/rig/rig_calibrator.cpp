@@ -3,12 +3,14 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <limits>
 #include <map>
 #include <numeric>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
-#include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/transfer.h"
 #include "camera_self_calibration/geometry/so3.h"
@@ -19,7 +21,7 @@ namespace camera_self_calibration {
 namespace {
 
 // A start that is off by more leads nowhere.
-constexpr double kMaxStartSigma = 5.0 * M_PI / 180.0;
+constexpr double kMaxStartSigma = 5.0 * kDegree;
 constexpr double kBorder = 12.0;  // [px] What a patch needs around it.
 constexpr double kStep = 2.0;     // [px] For the warp from one image to the other.
 constexpr std::size_t kMaxRotations = 5000;
@@ -125,16 +127,15 @@ double leastTurn(const std::vector<RigFrame>& stretch) {
 
 }  // namespace
 
-RigCalibrator::RigCalibrator(RigOptions options, std::vector<Camera> cameras, FindAcross across)
-    : options_(std::move(options)), across_(std::move(across)) {
-  rig_.rig_from_camera.resize(cameras.size());
-  rotations_.resize(cameras.size());
-  rig_.cameras = std::move(cameras);
-}
+RigCalibrator::RigCalibrator(RigOptions options, int cameras, FindAcross across)
+    : options_(std::move(options)),
+      across_(std::move(across)),
+      rotations_(static_cast<std::size_t>(cameras)) {}
 
 void RigCalibrator::add(RigFrame frame) {
   const RigView& first = frame.views.front();
   if (!first.world_from_camera) return;
+  forgetAround(frame.stamp_ns);
   if (stretches_.empty() || static_cast<int>(stretches_.back().size()) >= options_.segment_frames ||
       stretches_.back().back().views.front().map_id != first.map_id) {
     stretches_.emplace_back();
@@ -147,16 +148,62 @@ void RigCalibrator::add(RigFrame frame) {
   stretches_.erase(std::min_element(stretches_.begin(), stretches_.end() - 1, turns_less));
 }
 
+// Nothing is counted twice.
+void RigCalibrator::forgetAround(std::int64_t stamp_ns) {
+  const auto again = [&](const Stretch& stretch) {
+    return stretch.front().stamp_ns <= stamp_ns && stamp_ns <= stretch.back().stamp_ns;
+  };
+  stretches_.erase(std::remove_if(stretches_.begin(), stretches_.end(), again), stretches_.end());
+}
+
+// In the order in which they came: where time jumped back, what came before the jump is older.
+void RigCalibrator::forgetBefore(std::int64_t stamp_ns) {
+  std::int64_t next_ns = std::numeric_limits<std::int64_t>::max();
+  bool older = false;
+  for (auto stretch = stretches_.rbegin(); stretch != stretches_.rend(); ++stretch) {
+    auto frame = stretch->end();
+    while (!older && frame != stretch->begin()) {
+      const std::int64_t own_ns = std::prev(frame)->stamp_ns;
+      older = own_ns < stamp_ns || own_ns >= next_ns;
+      if (older) break;
+      next_ns = own_ns;
+      --frame;
+    }
+    stretch->erase(stretch->begin(), frame);
+  }
+  dropEmpty();
+  for (std::deque<RotationPair>& rotations : rotations_) {
+    while (!rotations.empty() && rotations.front().stamp_ns < stamp_ns) rotations.pop_front();
+  }
+}
+
+void RigCalibrator::forget(std::int64_t begin_ns, std::int64_t end_ns) {
+  const auto between = [&](const RigFrame& frame) {
+    return begin_ns <= frame.stamp_ns && frame.stamp_ns <= end_ns;
+  };
+  for (Stretch& stretch : stretches_) {
+    stretch.erase(std::remove_if(stretch.begin(), stretch.end(), between), stretch.end());
+  }
+  dropEmpty();
+}
+
+void RigCalibrator::dropEmpty() {
+  const auto empty = [](const Stretch& stretch) { return stretch.empty(); };
+  stretches_.erase(std::remove_if(stretches_.begin(), stretches_.end(), empty), stretches_.end());
+}
+
 void RigCalibrator::observe(const RigFrame& frame) {
   const RigView& first = frame.views.front();
   if (!first.world_from_camera) return;
   for (std::size_t c = 1; c < frame.views.size(); ++c) {
     const RigView& view = frame.views[c];
     if (!view.world_from_camera) continue;
+    std::deque<RotationPair>& rotations = rotations_[c];
+    if (!rotations.empty() && frame.stamp_ns <= rotations.back().stamp_ns) rotations.clear();
     // The newest are enough, and bound the memory.
-    if (rotations_[c].size() >= kMaxRotations) rotations_[c].erase(rotations_[c].begin());
-    rotations_[c].push_back({frame.stamp_ns, first.map_id, view.map_id,
-                             first.world_from_camera->rotation, view.world_from_camera->rotation});
+    if (rotations.size() >= kMaxRotations) rotations.pop_front();
+    rotations.push_back({frame.stamp_ns, first.map_id, view.map_id,
+                         first.world_from_camera->rotation, view.world_from_camera->rotation});
   }
 }
 
@@ -164,7 +211,7 @@ void RigCalibrator::observe(const RigFrame& frame) {
 // believed.
 void RigCalibrator::judgeClocks(RigEstimate* estimate) const {
   for (int c = 1; c < rig_.size(); ++c) {
-    const TimeOffset offset = timeOffset(rotations_[c]);
+    const TimeOffset offset = timeOffset({rotations_[c].begin(), rotations_[c].end()});
     estimate->places[c].time_offset = offset;
     if (!offset.harms()) continue;
     estimate->converged = false;
@@ -288,8 +335,8 @@ bool RigCalibrator::solveRoughly() {
   return solveRig(rough, &segments_, &rig_);
 }
 
-// What other lens models say of the rig, if these explain the tracks as well and are as near as is
-// asked of a calibration.
+// What other lens models say of the rig, if these explain the tracks as well. However far off they
+// are: video that does not tell one from the other tells the rig no better.
 std::optional<Rig> RigCalibrator::underOtherLenses() const {
   Rig other = rig_;
   std::vector<RigSegment> segments = segments_;
@@ -307,8 +354,6 @@ std::optional<Rig> RigCalibrator::underOtherLenses() const {
   if (!solveRig(rough, &segments, &other)) return std::nullopt;
   std::vector<RigSegment> own = segments_;
   for (int c = 0; c < rig_.size(); ++c) {
-    const double limit = rig_.cameras[c].width() / 640.0;
-    if (!(pixelDistance(rig_.cameras[c], other.cameras[c]).rms <= limit)) return std::nullopt;
     for (std::size_t s = 0; s < segments.size(); ++s) {
       if (!explainsAsWell(blockOf(&segments[s], c), blockOf(&own[s], c), rig_.cameras[c])) {
         return std::nullopt;
@@ -325,15 +370,9 @@ void RigCalibrator::gate() {
   }
 }
 
-RigEstimate RigCalibrator::estimate() {
-  RigEstimate failed;
-  failed.sentence = start();
-  if (!failed.sentence.empty()) return failed;
-  makeSegments();
-  if (!solveRoughly()) {
-    failed.sentence = "too few features were followed in all cameras at once";
-    return failed;
-  }
+// From where the segments are. Empty, or why it failed.
+std::string RigCalibrator::refine() {
+  if (!solveRoughly()) return "too few features were followed in all cameras at once";
   gate();
   for (int round = 0; across_ && round < kRounds; ++round) {
     if (!solveRoughly()) break;
@@ -341,10 +380,18 @@ RigEstimate RigCalibrator::estimate() {
     if (!solveRoughly()) break;
     gate();
   }
-  if (!solve()) {
-    failed.sentence = "no poses of the cameras explain all tracks together";
-    return failed;
-  }
+  return solve() ? "" : "no poses of the cameras explain all tracks together";
+}
+
+RigEstimate RigCalibrator::estimate(std::vector<Camera> cameras) {
+  rig_.rig_from_camera.assign(cameras.size(), Rigid3());
+  rig_.cameras = std::move(cameras);
+  RigEstimate failed;
+  failed.sentence = start();
+  if (!failed.sentence.empty()) return failed;
+  makeSegments();
+  failed.sentence = refine();
+  if (!failed.sentence.empty()) return failed;
   const auto covariance = rigCovariance(options_.solve, &segments_, &rig_);
   if (!covariance) {
     failed.sentence = "motion and features do not tell the rig";
@@ -354,6 +401,20 @@ RigEstimate RigCalibrator::estimate() {
                                      underOtherLenses(), options_.baseline_m, &segments_);
   judgeClocks(&estimate);
   return estimate;
+}
+
+// The scale of the keyframes' map is such that what lies around is as far away as usual.
+std::optional<RigLikelihood> RigCalibrator::likelihood(const Rig& start, double inverse_depth) {
+  rig_ = start;
+  options_.solve.hold_intrinsics.assign(start.cameras.size(), true);
+  makeSegments();
+  if (segments_.empty()) return std::nullopt;
+  const double scale =
+      inverse_depth / typicalInverseDepth(inverseDepths(segments_.front().tracks.front()));
+  for (Rigid3& pose : rig_.rig_from_camera) pose.translation *= scale;
+  makeSegments();
+  if (!refine().empty()) return std::nullopt;
+  return rigLikelihood(options_.solve, &segments_, rig_);
 }
 
 }  // namespace camera_self_calibration

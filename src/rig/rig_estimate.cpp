@@ -3,14 +3,16 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/map/inverse_depth.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 // Sigmas from zero at which a distance counts as seen.
 constexpr double kSignificant = 3.0;
 
@@ -102,8 +104,10 @@ double PlaceInRig::directionSigma(const Eigen::Vector3d& position) const {
   return largestSigma(across * position_covariance * across) / length;
 }
 
+double pixelLimit(const Camera& camera) { return camera.width() / 640.0; }
+
 RigLimits rigLimits(const Camera& camera) {
-  const double pixels = camera.width() / 640.0;
+  const double pixels = pixelLimit(camera);
   return {pixels / camera.parameters()(0), pixels / (0.1 * camera.width())};
 }
 
@@ -130,8 +134,11 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
     for (Rigid3& pose : estimate.rig.rig_from_camera) pose.translation *= factor;
     for (RigSegment& segment : *segments) scaleSegment(factor, &segment);
   }
+  std::vector<double> inverse_depths;
   for (std::size_t s = 0; s < segments->size(); ++s) {
     const RigSegment& segment = (*segments)[s];
+    const std::vector<double> more = inverseDepths(segment.tracks.front());
+    inverse_depths.insert(inverse_depths.end(), more.begin(), more.end());
     for (int k = 0; k < segment.frames(); ++k) {
       estimate.poses.push_back(
           {segment.stamps_ns[k], static_cast<int>(s), segment.world_from_rig[k]});
@@ -141,6 +148,7 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
       estimate.observations += static_cast<int>(segment.tracks[c].observations.size());
     }
   }
+  estimate.inverse_depth = typicalInverseDepth(std::move(inverse_depths));
   say(&estimate);
   return estimate;
 }

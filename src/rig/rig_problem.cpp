@@ -164,7 +164,7 @@ bool RigProblem::shared(const double* block) const {
 int RigProblem::sharedSize() {
   int size = 0;
   for (double* block : freeBlocks()) {
-    if (shared(block)) size += problem_.ParameterBlockTangentSize(block);
+    if (shared(block)) size += freedomsOf(problem_, block);
   }
   return size;
 }
@@ -173,7 +173,7 @@ std::vector<double*> RigProblem::freeBlocks() {
   std::vector<double*> blocks;
   problem_.GetParameterBlocks(&blocks);
   blocks.erase(std::remove_if(blocks.begin(), blocks.end(),
-                              [&](const double* block) {
+                              [&](double* block) {  // not const for Ceres before 2.0
                                 return shared(block) || problem_.IsParameterBlockConstant(block);
                               }),
                blocks.end());

@@ -1,12 +1,13 @@
 #include "camera_self_calibration/rig/rig_solver.h"
 
+#include <ceres/iteration_callback.h>
 #include <ceres/solver.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/reference/shared_marginal.h"
 #include "rig_problem.h"
 
@@ -15,21 +16,27 @@ namespace {
 
 // A covariance that is in no direction smaller than `least`.
 Eigen::MatrixXd atLeast(const Eigen::MatrixXd& least, const Eigen::MatrixXd& covariance) {
-  // With least = L L^T, covariance = L M L^T, and M counts where it is above the identity.
   const Eigen::LLT<Eigen::MatrixXd> factor(least);
   const Eigen::MatrixXd half = factor.matrixL().solve(covariance);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
-      factor.matrixL().solve(half.transpose()));
-  const Eigen::MatrixXd axes = factor.matrixL() * eigen.eigenvectors();
-  return axes * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() * axes.transpose();
+  return widened(factor.matrixL(), factor.matrixL().solve(half.transpose()));
 }
 
+struct Stop : ceres::IterationCallback {
+  explicit Stop(const std::function<bool()>& asked) : stop(asked) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return stop() ? ceres::SOLVER_ABORT : ceres::SOLVER_CONTINUE;
+  }
+  const std::function<bool()>& stop;
+};
+
 // Tangents of Ceres' quaternions are half rotation vectors, applied from the left.
-void toRotationVectors(const RigLayout& layout, Eigen::MatrixXd* covariance) {
+constexpr double kRotationPerTangent = 2.0;
+
+void scaleRotations(const RigLayout& layout, double factor, Eigen::MatrixXd* square) {
   for (const int at : layout.pose_at) {
     if (at < 0) continue;
-    covariance->middleRows(at, 3) *= 2.0;
-    covariance->middleCols(at, 3) *= 2.0;
+    square->middleRows(at, 3) *= factor;
+    square->middleCols(at, 3) *= factor;
   }
 }
 
@@ -55,6 +62,8 @@ bool solveRig(const RigSolveOptions& options, std::vector<RigSegment>* segments,
   solver.linear_solver_type = ceres::SPARSE_SCHUR;
   solver.function_tolerance = options.tolerance;
   solver.logging_type = ceres::SILENT;
+  Stop stop(options.stop);
+  if (options.stop) solver.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(solver, problem.problem(), &summary);
   if (!summary.IsSolutionUsable()) return false;
@@ -75,9 +84,34 @@ std::optional<Eigen::MatrixXd> rigCovariance(const RigSolveOptions& options,
   const double factor = marginal->freedomFactor();
   const double scale = std::max(1.0, marginal->cost / marginal->observations * factor);
   Eigen::MatrixXd covariance = atLeast(scale * marginal->covariance, factor * marginal->influence);
-  toRotationVectors(layout, &covariance);
+  scaleRotations(layout, kRotationPerTangent, &covariance);
   if (!covariance.allFinite()) return std::nullopt;
   return covariance;
+}
+
+std::optional<RigLikelihood> rigLikelihood(const RigSolveOptions& options,
+                                           std::vector<RigSegment>* segments, const Rig& rig) {
+  RigLikelihood result;
+  result.rig = rig;
+  RigSolveOptions free = options;
+  free.hold_intrinsics.clear();
+  RigProblem problem(free, segments, &result.rig);
+  const RigLayout layout(rig, free);
+  if (problem.empty() || problem.sharedSize() != layout.size) return std::nullopt;
+  const auto shared = sharedInformation(problem.problem(), problem.freeBlocks(), layout.size,
+                                        problem.clusters(), options.threads);
+  if (!shared || !shared->information.allFinite()) return std::nullopt;
+  const double factor = shared->varianceFactor();
+  if (!std::isfinite(factor)) return std::nullopt;
+  result.begin_ns = segments->front().stamps_ns.front();
+  result.end_ns = segments->back().stamps_ns.back();
+  result.information = shared->information / factor;
+  result.gradient = shared->gradient / factor;
+  scaleRotations(layout, 1.0 / kRotationPerTangent, &result.information);
+  for (const int at : layout.pose_at) {
+    if (at >= 0) result.gradient.segment<3>(at) /= kRotationPerTangent;
+  }
+  return result;
 }
 
 }  // namespace camera_self_calibration

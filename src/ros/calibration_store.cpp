@@ -22,7 +22,7 @@ struct NamedInfo {
 };
 
 std::optional<NamedInfo> parse(const std::string& text) {
-  if (!isText(text)) return std::nullopt;
+  if (!isText(text) || hasListThatEndsInColon(text)) return std::nullopt;
   NamedInfo result;
   std::istringstream in(text);
   try {

@@ -3,6 +3,7 @@
 #include <cv_bridge/cv_bridge.h>
 
 #include <exception>
+#include <utility>
 
 namespace camera_self_calibration {
 namespace {
@@ -11,12 +12,11 @@ constexpr std::uint32_t kQueue = 10;
 
 }  // namespace
 
-CameraPublisher::CameraPublisher(const ros::NodeHandle& private_node,
-                                 const CameraInfoPolicy* camera_info)
-    : policy_(camera_info) {
-  ros::NodeHandle node(private_node);
-  image_ = image_transport::ImageTransport(node).advertise("image_raw", kQueue);
-  camera_info_ = node.advertise<sensor_msgs::CameraInfo>("camera_info", kQueue);
+CameraPublisher::CameraPublisher(const ros::NodeHandle& node, InfoFor info_for)
+    : info_for_(std::move(info_for)) {
+  ros::NodeHandle own(node);
+  image_ = image_transport::ImageTransport(own).advertise("image_raw", kQueue);
+  camera_info_ = own.advertise<sensor_msgs::CameraInfo>("camera_info", kQueue);
 }
 
 std::string CameraPublisher::publish(const InputImage& image) {
@@ -31,7 +31,7 @@ std::string CameraPublisher::publish(const InputImage& image) {
   }
   if (camera_info_.getNumSubscribers() > 0) {
     const ImageView& view = *image.gray.view;
-    camera_info_.publish(policy_->infoFor(image.header, view.width, view.height));
+    camera_info_.publish(info_for_(image.header, view.width, view.height));
   }
   return problem;
 }

@@ -27,6 +27,8 @@ std::string meaningOf(EventType type) {
       return " (CONVERGED: the calibration is good enough for use, and camera_info is published.)";
     case EventType::kCalibrationChange:
       return " (CALIBRATION_CHANGE: the lens was bumped, refocused or zoomed.)";
+    case EventType::kMountChanged:
+      return " (MOUNT_CHANGED: a camera was turned or moved against the others.)";
     case EventType::kRelocalized:
       return " (RELOCALIZED: a place of an earlier map was recognised.)";
     case EventType::kLost:

@@ -32,14 +32,14 @@ void ImageInput::shutdown() {
 
 void ImageInput::onRaw(const ros::MessageEvent<const sensor_msgs::Image>& event) {
   compressed_.shutdown();  // "auto": what comes first is taken.
-  const sensor_msgs::ImageConstPtr message = event.getConstMessage();
+  const sensor_msgs::ImageConstPtr& message = event.getConstMessage();
   callback_(
       {message->header, converter_.convert(message), message, nullptr, event.getPublisherName()});
 }
 
 void ImageInput::onCompressed(const ros::MessageEvent<const sensor_msgs::CompressedImage>& event) {
   raw_.shutdown();
-  const sensor_msgs::CompressedImageConstPtr message = event.getConstMessage();
+  const sensor_msgs::CompressedImageConstPtr& message = event.getConstMessage();
   callback_(
       {message->header, converter_.convert(*message), nullptr, message, event.getPublisherName()});
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/ros/stamps.h"
 
 namespace camera_self_calibration {
@@ -61,6 +62,25 @@ geometry_msgs::Pose toPose(const Rigid3& pose) {
   message.orientation.y = pose.rotation.y();
   message.orientation.z = pose.rotation.z();
   message.orientation.w = pose.rotation.w();
+  return message;
+}
+
+geometry_msgs::Transform toTransform(const Rigid3& pose) {
+  const geometry_msgs::Pose message = toPose(pose);
+  geometry_msgs::Transform transform;
+  transform.translation.x = message.position.x;
+  transform.translation.y = message.position.y;
+  transform.translation.z = message.position.z;
+  transform.rotation = message.orientation;
+  return transform;
+}
+
+geometry_msgs::PoseWithCovariance toPoseWithCovariance(const Rigid3& pose,
+                                                       const Eigen::Matrix3d& position,
+                                                       const Eigen::Matrix3d& rotation) {
+  geometry_msgs::PoseWithCovariance message;
+  message.pose = toPose(pose);
+  setCovariance(blockDiagonal(position, rotation), &message.covariance);
   return message;
 }
 
@@ -167,6 +187,8 @@ CalibrationEvent toCalibrationEvent(const Event& event, std::uint64_t epoch) {
   message.onset_stamp = toRosTime(event.onset_stamp_ns);
   message.epoch = epoch;
   message.magnitude_px = event.magnitude_px;
+  message.rotation_deg = event.rotation / kDegree;
+  message.rotation_sigma_deg = event.rotation_sigma / kDegree;
   message.p_value = event.p_value;
   message.sentence = event.sentence;
   return message;

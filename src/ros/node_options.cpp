@@ -9,32 +9,8 @@ namespace {
 
 constexpr const char* kAutoModel = "auto";
 
-void readPipeline(ParameterReader& read, NodeOptions* options) {
-  Options& pipeline = options->pipeline;
-  read("model", &options->model);
-  read("initial_intrinsics", &options->initial_intrinsics);
-  read("max_features", &pipeline.tracker.max_features);
-  read("min_distance_px", &pipeline.tracker.min_distance_px);
-  read("keyframe_min_parallax", &pipeline.keyframe.min_parallax);
-  read("keyframe_min_rotation_deg", &pipeline.keyframe.min_rotation_deg);
-  read("keyframe_min_tracked_share", &pipeline.keyframe.min_tracked_share);
-  read("sliding_window_keyframes", &pipeline.sliding_window_keyframes);
-  read("segment_keyframes", &pipeline.segment_keyframes);
-  read("queue_segments", &pipeline.queue_segments);
-  read("startup_keyframes", &pipeline.startup_keyframes);
-  read("handover_entropy", &pipeline.handover_entropy);
-  read("exact_references", &pipeline.exact_references);
-  read("alpha", &pipeline.alpha);
-  read("score", &options->score);
-  read.word("rolling_shutter", &options->rolling_shutter);
-  read("converged_pixel_rms", &pipeline.converged_pixel_rms);
-  read("false_alarms_per_hour", &pipeline.false_alarms_per_hour);
-  read("relocalization_keyframes", &pipeline.relocalization_keyframes);
-  read("solver_threads", &pipeline.solver_threads);
-  read("max_queued_images", &pipeline.max_queued_images);
-}
-
 void readInterface(ParameterReader& read, NodeOptions* options) {
+  read("initial_intrinsics", &options->initial_intrinsics);
   read("image_transport", &options->image_transport);
   read("mask_url", &options->mask_url);
   read.orOff("camera_info_input", &options->camera_info_input);
@@ -134,19 +110,43 @@ std::vector<std::string> NodeOptions::problems() const {
   return problems;
 }
 
+void readPipelineOptions(ParameterReader& read, NodeOptions* options) {
+  Options& pipeline = options->pipeline;
+  read("model", &options->model);
+  read("max_features", &pipeline.tracker.max_features);
+  read("min_distance_px", &pipeline.tracker.min_distance_px);
+  read("keyframe_min_parallax", &pipeline.keyframe.min_parallax);
+  read("keyframe_min_rotation_deg", &pipeline.keyframe.min_rotation_deg);
+  read("keyframe_min_tracked_share", &pipeline.keyframe.min_tracked_share);
+  read("sliding_window_keyframes", &pipeline.sliding_window_keyframes);
+  read("segment_keyframes", &pipeline.segment_keyframes);
+  read("queue_segments", &pipeline.queue_segments);
+  read("startup_keyframes", &pipeline.startup_keyframes);
+  read("handover_entropy", &pipeline.handover_entropy);
+  read("exact_references", &pipeline.exact_references);
+  read("alpha", &pipeline.alpha);
+  read("score", &options->score);
+  read.word("rolling_shutter", &options->rolling_shutter);
+  read("converged_pixel_rms", &pipeline.converged_pixel_rms);
+  read("false_alarms_per_hour", &pipeline.false_alarms_per_hour);
+  read("relocalization_keyframes", &pipeline.relocalization_keyframes);
+  read("solver_threads", &pipeline.solver_threads);
+  read("max_queued_images", &pipeline.max_queued_images);
+  pipeline.model = cameraModelFromString(options->model);
+  const auto score = scoreKindFromString(options->score);
+  if (score) pipeline.score = *score;
+  setRollingShutter(options->rolling_shutter, &pipeline);
+}
+
 NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node) {
   NodeOptionsReading reading;
   ParameterReader read(private_node);
-  readPipeline(read, &reading.options);
+  readPipelineOptions(read, &reading.options);
   readInterface(read, &reading.options);
   readKeeping(read, &reading.options);
   reading.problems = read.problems();
   reading.warnings = read.unknown();
   reading.known = read.known();
-  reading.options.pipeline.model = cameraModelFromString(reading.options.model);
-  const auto score = scoreKindFromString(reading.options.score);
-  if (score) reading.options.pipeline.score = *score;
-  setRollingShutter(reading.options.rolling_shutter, &reading.options.pipeline);
   const std::vector<std::string> violated = reading.options.problems();
   reading.problems.insert(reading.problems.end(), violated.begin(), violated.end());
   return reading;

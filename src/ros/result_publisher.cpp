@@ -18,16 +18,6 @@ std_msgs::Header headerOf(std::int64_t stamp_ns, const std::string& frame) {
   return header;
 }
 
-geometry_msgs::Transform toTransform(const Rigid3& pose) {
-  const geometry_msgs::Pose message = toPose(pose);
-  geometry_msgs::Transform transform;
-  transform.translation.x = message.position.x;
-  transform.translation.y = message.position.y;
-  transform.translation.z = message.position.z;
-  transform.rotation = message.orientation;
-  return transform;
-}
-
 }  // namespace
 
 ResultPublisher::ResultPublisher(const ros::NodeHandle& private_node, const NodeOptions& options)

@@ -77,7 +77,10 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   size_memory_ = std::make_unique<SizeMemory>(factory_.get());
   start_camera_ = std::make_unique<StartCamera>(&options_, factory_.get());
   results_ = std::make_unique<ResultPublisher>(private_node_, options_);
-  camera_publisher_ = std::make_unique<CameraPublisher>(private_node_, camera_info_policy_.get());
+  camera_publisher_ = std::make_unique<CameraPublisher>(
+      private_node_, [this](const std_msgs::Header& header, int width, int height) {
+        return camera_info_policy_->infoFor(header, width, height);
+      });
   visualizer_ = std::make_unique<Visualizer>(private_node_, options_);
   session_ = std::make_unique<CalibrationSession>(options_.pipeline, callbacks());
   if (factory_) factory_->subscribe(node_);

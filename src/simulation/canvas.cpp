@@ -42,6 +42,7 @@ void Canvas::frame(double left, double top, double right, double bottom, double 
 
 void Canvas::polygon(const std::vector<cv::Point2d>& points, double gray) {
   std::vector<cv::Point> corners;
+  corners.reserve(points.size());
   for (const cv::Point2d& p : points) corners.push_back(point(p.x, p.y));
   cv::fillConvexPoly(image_, corners, ink(gray), cv::LINE_AA, kShift);
 }

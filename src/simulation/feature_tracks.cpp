@@ -30,7 +30,7 @@ std::vector<std::string> FeatureTracksOptions::problems() const {
   size(reported_sigma, "reported_sigma");
   size(reference_sigma, "reference_sigma");
   size(border_px, "border_px");
-  size(row_time_s, "row_time_s");
+  size(line_delay_s, "line_delay_s");
   share(outlier_share, "outlier_share");
   share(drifting_share, "drifting_share");
   share(loss_probability, "loss_probability");
@@ -52,7 +52,7 @@ FeatureTracks::FeatureTracks(World world, Lens lens, Trajectory trajectory,
 }
 
 Rigid3 FeatureTracks::poseOfRow(double row) const {
-  return trajectory_.worldFromCamera(time_s_ + row * options_.row_time_s);
+  return trajectory_.worldFromCamera(time_s_ + row * options_.line_delay_s);
 }
 
 std::optional<Eigen::Vector2d> FeatureTracks::project(const Eigen::Vector3d& point,
@@ -61,9 +61,9 @@ std::optional<Eigen::Vector2d> FeatureTracks::project(const Eigen::Vector3d& poi
   Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
   Rigid3 world_from_camera;
   // The row of a point depends on when it is seen; few steps settle it.
-  const int steps = options_.row_time_s > 0.0 ? 4 : 1;
+  const int steps = options_.line_delay_s > 0.0 ? 4 : 1;
   for (int i = 0; i < steps; ++i) {
-    world_from_camera = trajectory_.worldFromCamera(time_s + pixel.y() * options_.row_time_s);
+    world_from_camera = trajectory_.worldFromCamera(time_s + pixel.y() * options_.line_delay_s);
     if (!camera.project(world_from_camera.inverse() * point, &pixel)) return std::nullopt;
   }
   if (!camera.inImage(pixel, options_.border_px)) return std::nullopt;

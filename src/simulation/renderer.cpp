@@ -58,8 +58,8 @@ std::vector<std::string> RendererOptions::problems() const {
   std::vector<std::string> found = sensor.problems();
   if (!(exposure_s >= 0.0 && exposure_s <= 1.0)) found.push_back("exposure_s must be in [0, 1]");
   if (blur_images < 1 || blur_images > 100) found.push_back("blur_images must be in [1, 100]");
-  if (!(row_time_s >= 0.0 && row_time_s <= 1e-3))
-    found.push_back("row_time_s must be in [0, 1e-3]");
+  if (!(line_delay_s >= 0.0 && line_delay_s <= 1e-3))
+    found.push_back("line_delay_s must be in [0, 1e-3]");
   if (threads < 1 || threads > 64) found.push_back("threads must be in [1, 64]");
   return found;
 }
@@ -70,32 +70,32 @@ Renderer::Renderer(std::shared_ptr<const PaintedWorld> world, const Camera& came
       camera_(checked(world_.get(), camera, options)),
       options_(options),
       rays_(camera),
-      blocks_(blocksOf(rays_, options.row_time_s > 0.0 ? kRollingMargin : 0.0f)),
+      blocks_(blocksOf(rays_, options.line_delay_s > 0.0 ? kRollingMargin : 0.0f)),
       sensor_(options.sensor, camera) {}
 
 std::vector<Renderer::Views> Renderer::viewsAt(const Trajectory& trajectory, double time_s) const {
-  const int rows = options_.row_time_s > 0.0 ? camera_.height() : 1;
+  const int rows = options_.line_delay_s > 0.0 ? camera_.height() : 1;
   std::vector<Views> views;
   if (rows == 1) {
-    views.push_back(viewsFrom(*world_, trajectory.worldFromCamera(time_s)));
+    views.push_back(viewsFrom(*world_, trajectory.worldFromCamera(time_s), time_s));
     return views;
   }
   for (int row = 0; row < rows; ++row) {
-    const Rigid3 pose = trajectory.worldFromCamera(time_s + row * options_.row_time_s);
-    views.push_back(viewsFrom(*world_, pose));
+    const double row_s = time_s + row * options_.line_delay_s;
+    views.push_back(viewsFrom(*world_, trajectory.worldFromCamera(row_s), row_s));
   }
   return views;
 }
 
-cv::Mat Renderer::render(const Trajectory& trajectory, double time_s,
-                         std::uint64_t noise_seed) const {
+cv::Mat Renderer::render(const Trajectory& trajectory, double time_s, std::uint64_t noise_seed,
+                         double gain) const {
   cv::Mat sum(camera_.height(), camera_.width(), CV_32FC1, cv::Scalar(0.0));
   const int images = options_.exposure_s > 0.0 ? options_.blur_images : 1;
   for (int i = 0; i < images; ++i) {
     const double offset = options_.exposure_s * ((i + 0.5) / images - 0.5);
     add(viewsAt(trajectory, time_s + offset), 1.0f / static_cast<float>(images), &sum);
   }
-  return sensor_.expose(sum, noise_seed);
+  return sensor_.expose(sum, noise_seed, gain);
 }
 
 cv::Mat Renderer::render(const Rigid3& world_from_camera, std::uint64_t noise_seed) const {
@@ -104,7 +104,7 @@ cv::Mat Renderer::render(const Rigid3& world_from_camera, std::uint64_t noise_se
 
 cv::Mat Renderer::light(const Rigid3& world_from_camera) const {
   cv::Mat sum(camera_.height(), camera_.width(), CV_32FC1, cv::Scalar(0.0));
-  add({viewsFrom(*world_, world_from_camera)}, 1.0f, &sum);
+  add({viewsFrom(*world_, world_from_camera, 0.0)}, 1.0f, &sum);
   return sum;
 }
 

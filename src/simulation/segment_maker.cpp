@@ -59,6 +59,7 @@ std::vector<std::int64_t> stampsOf(const SegmentOptions& options, const Trajecto
     times.push_back(times.back() + step);
   }
   std::vector<std::int64_t> stamps;
+  stamps.reserve(times.size());
   for (const double time : times) {
     stamps.push_back(options.tracks.start_stamp_ns +
                      static_cast<std::int64_t>(std::llround(1e9 * time)));

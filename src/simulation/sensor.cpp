@@ -46,8 +46,9 @@ Sensor::Sensor(const SensorOptions& options, const Camera& camera)
   for (float& value : noise_) value = static_cast<float>(options.noise_sigma * random.normal());
 }
 
-cv::Mat Sensor::expose(const cv::Mat& light, std::uint64_t noise_seed) const {
+cv::Mat Sensor::expose(const cv::Mat& light, std::uint64_t noise_seed, double gain) const {
   cv::Mat image(light.size(), CV_8UC1);
+  const auto exposure = static_cast<float>(gain);
   const std::vector<float> silence(static_cast<std::size_t>(light.cols), 0.0f);
   for (int y = 0; y < light.rows; ++y) {
     const std::size_t places = noise_.size() - static_cast<std::size_t>(light.cols);
@@ -59,7 +60,7 @@ cv::Mat Sensor::expose(const cv::Mat& light, std::uint64_t noise_seed) const {
     const float* factor = sensitivity_.ptr<float>(y);
     std::uint8_t* to = image.ptr<std::uint8_t>(y);
     for (int x = 0; x < light.cols; ++x) {
-      const float value = from[x] > 0.0f ? from[x] * factor[x] + noise[x] + 0.5f : 0.0f;
+      const float value = from[x] > 0.0f ? exposure * from[x] * factor[x] + noise[x] + 0.5f : 0.0f;
       to[x] = static_cast<std::uint8_t>(std::min(std::max(value, 0.0f), 255.0f));
     }
   }

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "camera_self_calibration/simulation/random.h"
+#include "camera_self_calibration/simulation/text_overlay.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -16,10 +17,10 @@ SequenceOptions checked(const SequenceOptions& options) {
   return options;
 }
 
-Trajectory trajectoryOf(const SequenceOptions& options, const World& world) {
+Trajectory trajectoryOf(const SequenceOptions& options) {
   if (options.trajectory) return *options.trajectory;
   SyntheticMotionOptions motion = options.motion;
-  motion.box = world.free_space;
+  motion.box = makeRoom(options.room).free_space;
   motion.duration_s = options.duration_s;
   return syntheticMotion(motion);
 }
@@ -28,6 +29,7 @@ Trajectory trajectoryOf(const SequenceOptions& options, const World& world) {
 
 std::vector<std::string> SequenceOptions::problems() const {
   std::vector<std::string> found = room.problems();
+  for (const std::string& problem : objects.problems()) found.push_back(problem);
   for (const std::string& problem : renderer.problems()) found.push_back(problem);
   if (!(rate_hz > 0.0 && rate_hz <= 1000.0)) found.push_back("rate_hz must be in (0, 1000]");
   if (!(duration_s > 0.0 && duration_s <= 1e5)) found.push_back("duration_s must be in (0, 1e5]");
@@ -51,8 +53,10 @@ ImageView SimulatedFrame::view() const {
 
 SimulatedSequence::SimulatedSequence(const SequenceOptions& options)
     : options_(checked(options)),
-      world_(std::make_shared<PaintedWorld>(makeRoom(options.room))),
-      trajectory_(trajectoryOf(options, world_->world)),
+      trajectory_(trajectoryOf(options)),
+      world_(std::make_shared<PaintedWorld>(
+          makeRoom(options.room),
+          movingObjects(options.objects, options.lens.camera, trajectory_))),
       size_(1 + static_cast<int>(std::min(options.duration_s, trajectory_.duration()) *
                                  options.rate_hz)),
       renderer_(world_, options.lens.camera, options.renderer) {
@@ -70,10 +74,27 @@ SimulatedFrame SimulatedSequence::frame(int index) const {
   frame.stamp_ns = stampNs(index);
   frame.world_from_camera = worldFromCamera(index);
   frame.camera = camera(index);
+  if (options_.auto_exposure) {
+    while (static_cast<int>(gains_.size()) <= index) {
+      meter(exposed(static_cast<int>(gains_.size()) - 1));
+    }
+  }
+  frame.image = exposed(index);
+  if (options_.auto_exposure && index + 1 == static_cast<int>(gains_.size())) meter(frame.image);
+  if (options_.text_overlay) writeOverlay(time(index), &frame.image);
+  return frame;
+}
+
+cv::Mat SimulatedSequence::exposed(int index) const {
   const Renderer& renderer = options_.lens.zoomed(time(index)) ? *zoomed_ : renderer_;
   const std::uint64_t seed = mixSeed(options_.noise_seed, static_cast<std::uint64_t>(index));
-  frame.image = renderer.render(trajectory_, time(index), seed);
-  return frame;
+  const double gain = options_.auto_exposure ? gains_[static_cast<std::size_t>(index)] : 1.0;
+  return renderer.render(trajectory_, time(index), seed, gain);
+}
+
+void SimulatedSequence::meter(const cv::Mat& image) const {
+  exposure_.see(image);
+  gains_.push_back(exposure_.gain());
 }
 
 }  // namespace camera_self_calibration

@@ -57,10 +57,17 @@ bool SurfaceView::meets(const Eigen::Vector3f& ray) const {
   return inverse_distance.dot(ray) > 0.0f;
 }
 
-std::vector<SurfaceView> viewsFrom(const PaintedWorld& world, const Rigid3& world_from_camera) {
+std::vector<SurfaceView> viewsFrom(const PaintedWorld& world, const Rigid3& world_from_camera,
+                                   double time_s) {
   std::vector<SurfaceView> views;
-  for (std::size_t i = 0; i < world.world.surfaces.size(); ++i) {
-    views.push_back(viewOf(world.world.surfaces[i], world.textures[i], world_from_camera));
+  const auto add = [&](const std::vector<Surface>& surfaces, const Rigid3& frame_from_camera) {
+    for (const Surface& surface : surfaces) {
+      views.push_back(viewOf(surface, world.textures[views.size()], frame_from_camera));
+    }
+  };
+  add(world.world.surfaces, world_from_camera);
+  for (const MovingBody& body : world.bodies) {
+    add(body.surfaces, body.world_from_body(time_s).inverse() * world_from_camera);
   }
   return views;
 }

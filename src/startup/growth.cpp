@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
+#include "camera_self_calibration/estimation/rigid_gate.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/inverse_depth.h"
@@ -16,6 +18,9 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr double kHuber = 2.0;
+// Until there are so many, poses are not known well enough to tell what moves.
+constexpr int kTellingKeyframes = 3;
+constexpr int kGatingRounds = 2;
 
 // The observations of keyframe k of landmarks that earlier keyframes determine.
 std::vector<PointView> viewsOf(const Segment& segment, int k, const Camera& camera) {
@@ -104,15 +109,6 @@ void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, 
 
 namespace {
 
-// Far from the solution all residuals are large: the sigma follows them, so that the robust weight
-// still tells outliers from the rest; within bounds, since where nothing can be predicted there is
-// no residual to follow.
-double provisionalScale(const SegmentBlock& block, const Camera& camera) {
-  constexpr double kMaxScale = 1000.0;
-  const double scale = medianResidualScale(block, camera);
-  return std::isfinite(scale) ? std::clamp(scale, 1.0, kMaxScale) : kMaxScale;
-}
-
 // A first pose and first depths for keyframe `k`.
 void placeKeyframe(int k, const Camera& camera, Segment* segment) {
   auto& keyframes = segment->keyframes;
@@ -137,13 +133,30 @@ void forget(const Camera& camera, Segment* segment) {
   }
 }
 
-}  // namespace
+// A part of a segment: some of its keyframes from the first on, some of its landmarks.
+struct Part {
+  Segment segment;
+  std::vector<int> landmark_index;  // in the whole segment
+};
 
-double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera) {
-  placeKeyframe(k, *camera, segment);
-  std::vector<int> landmark_index;
-  Segment prefix = prefixOf(*segment, k + 1, 1, &landmark_index);
-  if (prefix.observations.empty()) return std::numeric_limits<double>::infinity();
+// Without what a rigid scene does not explain, which may belong to it once more is known: there it
+// gets the depth that fits it best.
+Part rigidPart(const GrowthOptions& options, const Camera& camera, Segment* whole) {
+  restartRunawayDepths(options.max_inverse_depth_ratio, whole);
+  const std::vector<int> moving = nonRigidTracks(whole, camera);
+  Part part;
+  part.segment = *whole;
+  part.landmark_index.resize(whole->landmarks.size());
+  std::iota(part.landmark_index.begin(), part.landmark_index.end(), 0);
+  removeLandmarks(moving, &part.segment);
+  for (auto l = moving.rbegin(); l != moving.rend(); ++l) {
+    part.landmark_index.erase(part.landmark_index.begin() + *l);
+  }
+  return part;
+}
+
+void solvePrefix(const GrowthOptions& options, Segment* prefix, Camera* camera) {
+  const int k = static_cast<int>(prefix->keyframes.size()) - 1;
   SolverOptions solver;
   solver.huber = kHuber;
   // A long batch moves little by one keyframe more.
@@ -153,15 +166,32 @@ double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Cam
   Problem problem;
   problem.camera = camera;
   problem.estimate_intrinsics = k + 1 >= options.free_after_keyframes;
-  problem.blocks = {freeBlock(&prefix, *camera)};
+  problem.blocks = {freeBlock(prefix, *camera)};
   problem.prior = options.prior;
   SegmentBlock& block = problem.blocks.front();
   block.sigma_scale = provisionalScale(block, *camera);
   solve(problem, solver);
-  restartRunawayDepths(options.max_inverse_depth_ratio, &prefix);
-  adoptPrefix(prefix, landmark_index, segment);
-  block.sigma_scale = 1.0;
-  return robustCost(block, *camera, kHuber);
+  restartRunawayDepths(options.max_inverse_depth_ratio, prefix);
+}
+
+}  // namespace
+
+double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera) {
+  placeKeyframe(k, *camera, segment);
+  std::vector<int> landmark_index;
+  Segment grown = prefixOf(*segment, k + 1, 1, &landmark_index);
+  if (grown.observations.empty()) return std::numeric_limits<double>::infinity();
+  if (k < kTellingKeyframes) solvePrefix(options, &grown, camera);
+  std::vector<int> solved;
+  for (int round = 0; round < kGatingRounds; ++round) {
+    Part part = rigidPart(options, *camera, &grown);
+    if (part.segment.observations.empty() || part.landmark_index == solved) break;
+    solvePrefix(options, &part.segment, camera);
+    adoptPrefix(part.segment, part.landmark_index, &grown);
+    solved = std::move(part.landmark_index);
+  }
+  adoptPrefix(grown, landmark_index, segment);
+  return robustCost(freeBlock(&grown, *camera), *camera, kHuber);
 }
 
 double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera) {

@@ -6,7 +6,9 @@
 #include <map>
 #include <utility>
 
+#include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/rigid_gate.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 #include "camera_self_calibration/queue/segment_fit.h"
 #include "camera_self_calibration/queue/weak_directions.h"
@@ -23,6 +25,7 @@ constexpr int kNewBatchKeyframes = 12;  // at most, where one begins again
 constexpr double kWorthASolve = 0.1;
 constexpr int kMostNew = 3;  // or when so great a part of it is new
 constexpr double kHuber = 2.0;
+const double kHalfTheInformation = std::sqrt(2.0);  // in sigmas
 constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
 // Of the likelihood ratio that k3 needs: promised to first order, it may turn out twice as large.
 constexpr double kWorthAFit = 0.5;
@@ -47,6 +50,20 @@ double promisedByK3(Segment segment, Camera camera) {
   const Marginal marginal = marginalize(problem, kHuber, 1);
   const double step = marginal.remainingStep();
   return step * step / std::max(1.0, marginal.designEffect());
+}
+
+// What the segment holds of the lens of its newest keyframes, in so many parts.
+std::vector<Segment> partsOfPresentLens(const Segment& segment, std::size_t count) {
+  const std::size_t begin = segment.earlier_camera ? segment.earlier_keyframes : 0;
+  const std::size_t end = segment.keyframes.size();
+  std::vector<Segment> parts;
+  for (std::size_t part = 0; part < count; ++part) {
+    std::vector<char> keep(end, 0);
+    const std::size_t last = begin + (part + 1) * (end - begin) / count;
+    for (std::size_t k = begin + part * (end - begin) / count; k < last; ++k) keep[k] = 1;
+    parts.push_back(onlyKeyframes(segment, keep));
+  }
+  return parts;
 }
 
 // Whether the newest solved keyframe is among those of the history.
@@ -89,6 +106,8 @@ void Startup::reset(const Camera& initial) {
   next_retry_ = kFirstRetry;
   next_guess_ = 0;
   best_guess_.reset();
+  best_.reset();
+  finished_.reset();
 }
 
 void Startup::switchModel(const Camera& camera, const std::vector<Segment>& solved) {
@@ -106,6 +125,8 @@ void Startup::goOnWith(const Camera& camera) {
   camera_ = camera;
   if (!other) return;
   next_.reset();
+  best_.reset();
+  finished_.reset();
   trusted_ = camera;
   options_.growth.prior = vaguePrior(camera);
   information_ = covariance_ = IntrinsicsMatrix();
@@ -175,6 +196,7 @@ void Startup::add(const Segment& history) {
 
 // A lost map is no reason to forget the lens.
 void Startup::beginBatch(const Segment& history) {
+  finishBatch();
   next_solve_ = 0;
   next_retry_ = kFirstRetry;
   next_guess_ = 0;
@@ -223,6 +245,7 @@ void Startup::judge() {
   if (static_cast<int>(segment_.keyframes.size()) < options_.growth.free_after_keyframes) return;
   Segment gated = segment_;
   Camera camera = camera_;
+  removeLandmarks(nonRigidTracks(&gated, camera), &gated);
   SegmentFitOptions options;
   // From the solution of one keyframe ago. What tells nothing has no sharp optimum to look for.
   options.max_iterations = told_ ? 10 : 4;
@@ -231,7 +254,7 @@ void Startup::judge() {
   options.depth_noise = DepthNoise::kDiscounted;
   const SegmentFit fit = fitSegment(options, &gated, &camera);
   ran_away_ = !fit.usable || ranAway(camera);
-  if (ran_away_) return;
+  if (ran_away_) return finishBatch();
   camera_ = camera;
   residual_scale_ = fit.residual_scale;
   setInformation(fit.marginal);
@@ -244,6 +267,7 @@ void Startup::judge() {
   }
   adoptSolved(gated);
   gated_ = std::move(gated);
+  noteBest();
 }
 
 // The gated solution is the better one; tracks that did not fit stay with their old depth, since
@@ -283,26 +307,36 @@ void Startup::setInformation(const IntrinsicsMatrix& information) {
   whole_image_uncertainty_ = pixelUncertainty(camera_, covariance_);
 }
 
-void Startup::setRowTime(double row_time_s) {
-  setRowTimeOfScene(row_time_s, camera_, &segment_);
+void Startup::setLineDelay(double line_delay_s) {
+  setLineDelayOfScene(line_delay_s, camera_, &segment_);
   if (usable_) judge();
 }
 
-RowTimeEstimate Startup::rowTime() const {
-  if (!isInformative() || gated_.keyframes.empty()) return RowTimeEstimate();
+LineDelayEstimate Startup::lineDelay() const {
+  if (!isInformative() || gated_.keyframes.empty()) return LineDelayEstimate();
   Segment segment = gated_;
-  return estimateRowTime({freeBlock(&segment, camera_)}, camera_, options_.growth.prior, 1);
+  return estimateLineDelay({freeBlock(&segment, camera_)}, camera_, options_.growth.prior, 1);
 }
 
 std::vector<Segment> Startup::halves() const {
   if (!usable_ || gated_.keyframes.empty()) return {};
-  const std::size_t begin = gated_.earlier_camera ? gated_.earlier_keyframes : 0;
-  const std::size_t end = gated_.keyframes.size();
-  const std::size_t middle = begin + (end - begin) / 2;
-  std::vector<char> earlier(end, 0);
-  std::vector<char> later(end, 0);
-  for (std::size_t k = begin; k < end; ++k) (k < middle ? earlier : later)[k] = 1;
-  return {onlyKeyframes(gated_, earlier), onlyKeyframes(gated_, later)};
+  return partsOfPresentLens(gated_, 2);
+}
+
+void Startup::noteBest() {
+  const double rms = isInformative() ? whole_image_uncertainty_.rms : INFINITY;
+  if (best_ && best_->camera.estimatedCount() != camera_.estimatedCount()) best_.reset();
+  if (best_ && rms > kHalfTheInformation * best_->rms) finishBatch();
+  if (isInformative() && (!best_ || rms < best_->rms)) best_ = Solution{gated_, camera_, rms};
+}
+
+void Startup::finishBatch() {
+  if (best_) finished_ = std::exchange(best_, std::nullopt);
+}
+
+std::optional<Startup::Solution> Startup::takeFinished() {
+  if (finished_) finished_->segment = partsOfPresentLens(finished_->segment, 1).front();
+  return std::exchange(finished_, std::nullopt);
 }
 
 void Startup::considerK3(const Segment& gated) {

@@ -8,7 +8,6 @@
 
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
-#include "camera_self_calibration/tools/json.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -83,7 +82,7 @@ void BatchComparer::solve() {
   solved_ = trajectory_.keyframes();
   const int height = newest_.camera.height();
   const double readout_s = newest_.shutter.rolls ? newest_.shutter.readout_s : 0.0;
-  trajectory_.setRowTime(readout_s / rowSteps(height), height);
+  trajectory_.setLineDelay(readout_s / rowSteps(height), height);
   BatchEstimate estimate = trajectory_.solve(newest_.camera, options_.solver_threads);
   estimate.keyframes = static_cast<int>(newest_.keyframes);  // on the run's own count
   result_.batch.push_back(estimate);
@@ -124,26 +123,25 @@ std::string batchText(const CalibrationReport& queue, const BatchComparison& com
   return text.str();
 }
 
-std::string batchJson(const CalibrationReport& queue, const BatchComparison& comparison) {
+Json batchJson(const CalibrationReport& queue, const BatchComparison& comparison) {
   const BatchEstimate* batch = comparable(queue, comparison);
-  if (batch == nullptr) return "null";
-  std::vector<json::Member> parameters, sigmas, differences;
+  if (batch == nullptr) return {};
+  Json parameters = Json::object(), sigmas = Json::object(), differences = Json::object();
   const std::vector<std::string> names = queue.camera.parameterNames();
   for (Eigen::Index i = 0; i < queue.covariance.rows(); ++i) {
     const std::string& name = names[static_cast<std::size_t>(i)];
-    parameters.emplace_back(name, json::number(batch->camera.parameters()(i)));
-    sigmas.emplace_back(name, json::number(std::sqrt(batch->covariance(i, i))));
-    differences.emplace_back(name, json::number(efficientDifference(queue, *batch, i)));
+    parameters[name] = batch->camera.parameters()(i);
+    sigmas[name] = std::sqrt(batch->covariance(i, i));
+    differences[name] = efficientDifference(queue, *batch, i);
   }
-  return json::object(
-      {{"keyframes", json::number(static_cast<std::int64_t>(comparison.solved_keyframes))},
-       {"epoch", json::number(static_cast<std::int64_t>(comparison.changes))},
-       {"observations", json::number(static_cast<std::int64_t>(batch->observations))},
-       {"params", json::object(parameters)},
-       {"sigma", json::object(sigmas)},
-       {"queue_minus_batch_sigmas", json::object(differences)},
-       {"pixel_uncertainty_rms", json::number(batch->uncertainty.rms)},
-       {"distance_px_rms", json::number(pixelDistance(queue.camera, batch->camera).rms)}});
+  return {{"keyframes", comparison.solved_keyframes},
+          {"epoch", comparison.changes},
+          {"observations", batch->observations},
+          {"params", parameters},
+          {"sigma", sigmas},
+          {"queue_minus_batch_sigmas", differences},
+          {"pixel_uncertainty_rms", batch->uncertainty.rms},
+          {"distance_px_rms", pixelDistance(queue.camera, batch->camera).rms}};
 }
 
 }  // namespace camera_self_calibration

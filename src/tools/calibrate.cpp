@@ -118,15 +118,12 @@ void watch(const Options& options, BatchComparer* batch, const ImageView** image
 /// The second run, with the intrinsics held.
 std::unique_ptr<SelfCalibrator> heldRun(const Options& options, const Camera& reference,
                                         Recording* recording) {
-  Options held = options;
-  held.model = reference.model();
-  held.initial_camera = reference;
-  held.fix_intrinsics = true;
   Callbacks callbacks;
   callbacks.frame = [recording](const FrameResult& result) {
     addPose(result, &recording->reference_poses);
   };
-  return std::make_unique<SelfCalibrator>(held, SelfCalibrator::Mode::kInline, callbacks);
+  return std::make_unique<SelfCalibrator>(options.withHeld(reference),
+                                          SelfCalibrator::Mode::kInline, callbacks);
 }
 
 void checkSize(const std::optional<Camera>& camera, const char* what, const ImageView& first) {

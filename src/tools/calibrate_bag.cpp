@@ -78,13 +78,23 @@ void writeState(const CalibrateBagArguments& arguments, const std::string& camer
             << (recording.complete ? "the bag did not determine the lens" : kPartial) << '\n';
 }
 
+void warnOfTruth(const CalibrateBagArguments& arguments,
+                 const std::optional<TrajectoryDifference>& truth) {
+  if (arguments.ground_truth.empty() || truth) return;
+  std::cerr << "warning: the ground truth has no poses at the times of the images\n";
+}
+
 int runRig(const CalibrateBagArguments& arguments) {
   if (!arguments.out.empty()) std::filesystem::create_directories(arguments.out);
   const RigRecording recording = calibrateRig(arguments.source, arguments.topics, arguments.options,
                                               arguments.baseline_m, interrupted);
-  std::cout << rigText(recording) << rigTrajectoryText(recording, arguments.ground_truth);
+  const auto truth =
+      compareTrajectories({recording.poses.begin(), recording.poses.end()}, arguments.ground_truth);
+  std::cout << rigText(recording) << rigTrajectoryText(truth, recording.estimate.metric);
+  warnOfTruth(arguments, truth);
   if (!arguments.out.empty()) {
     for (const std::string& note : writeRig(arguments.out, recording)) std::cout << note << '\n';
+    std::cout << "Results are in " << arguments.out << ".\n";
   }
   if (!recording.complete) return kInterrupted;
   const auto empty = [](const Recording& camera) { return camera.frames == 0; };
@@ -123,9 +133,7 @@ int run(const CalibrateBagArguments& arguments) {
   const TrajectoryResults trajectory = compareTrajectories(recording, arguments.ground_truth);
   std::cout << reportText(recording) << batchText(recording.final_report, recording.batch)
             << trajectoryText(trajectory);
-  if (!arguments.ground_truth.empty() && !trajectory.truth) {
-    std::cerr << "warning: the ground truth has no poses at the times of the images\n";
-  }
+  warnOfTruth(arguments, trajectory.truth);
   if (!arguments.out.empty()) {
     write(arguments, source.name, recording, trajectory);
     std::cout << "Results are in " << arguments.out

@@ -26,12 +26,10 @@ constexpr const char* kUsage =
     "4 interrupted (Ctrl-C, SIGTERM): what is known so far is written and marked as partial.\n"
     "With --audit: 0 GOOD, 5 WRONG, 6 CANNOT TELL.\n";
 
-po::options_description description(CalibrateBagArguments* arguments) {
-  Options& options = arguments->options;
+// clang-format off
+void addImagesAndResults(CalibrateBagArguments* arguments, po::options_description* all) {
   SourceOptions& source = arguments->source;
-  po::options_description all("Options", 100);
-  // clang-format off
-  all.add_options()
+  all->add_options()
     ("help,h", "this text")
     ("input", po::value(&source.path), "bag, folder of images or video file")
     ("topic", po::value(&source.topic), "image topic of the bag; needed if it has several")
@@ -54,7 +52,11 @@ po::options_description description(CalibrateBagArguments* arguments) {
      "start values: a ROS calibration (YAML) or a YAML with model, width, height, params")
     ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video (default: its own times) [Hz]")
     ("start", po::value(&source.start_seconds), "skip this much of the beginning [s]")
-    ("duration", po::value(&source.duration_seconds), "stop after this much [s]")
+    ("duration", po::value(&source.duration_seconds), "stop after this much [s]");
+}
+
+void addComparisons(CalibrateBagArguments* arguments, po::options_description* all) {
+  all->add_options()
     ("report", po::bool_switch(&arguments->report),
      "write report.html, one page with everything, into the folder of --out")
     ("batch", po::bool_switch(&arguments->extras.batch),
@@ -70,34 +72,45 @@ po::options_description description(CalibrateBagArguments* arguments) {
          arguments->extras.audit.tolerance_px),
      "tolerated error of the --audit calibration where features are [px rms]")
     ("ground-truth", po::value<std::string>(),
-     "poses of the camera (TUM format: t tx ty tz qx qy qz qw): report ATE and RPE")
-    ("max-features", po::value(&options.tracker.max_features)->default_value(
-         options.tracker.max_features), "good features tracked")
-    ("sliding-window-keyframes", po::value(&options.sliding_window_keyframes)->default_value(
-         options.sliding_window_keyframes), "keyframes of the sliding window")
-    ("segment-keyframes", po::value(&options.segment_keyframes)->default_value(
-         options.segment_keyframes), "keyframes of a segment")
-    ("queue-segments", po::value(&options.queue_segments)->default_value(options.queue_segments),
+     "poses of the camera (TUM format: t tx ty tz qx qy qz qw): report ATE and RPE");
+}
+
+void addEstimation(Options* options, po::options_description* all) {
+  all->add_options()
+    ("max-features", po::value(&options->tracker.max_features)->default_value(
+         options->tracker.max_features), "good features tracked")
+    ("sliding-window-keyframes", po::value(&options->sliding_window_keyframes)->default_value(
+         options->sliding_window_keyframes), "keyframes of the sliding window")
+    ("segment-keyframes", po::value(&options->segment_keyframes)->default_value(
+         options->segment_keyframes), "keyframes of a segment")
+    ("queue-segments", po::value(&options->queue_segments)->default_value(options->queue_segments),
      "segments of the queue")
-    ("exact-references", po::bool_switch(&options.exact_references),
+    ("exact-references", po::bool_switch(&options->exact_references),
      "take the pixel in which a feature was detected as exact, not as a measurement")
-    ("handover-entropy", po::value(&options.handover_entropy),
+    ("handover-entropy", po::value(&options->handover_entropy),
      "startup also ends below this normalised entropy [nats]; default: only by pixel uncertainty")
-    ("alpha", po::value(&options.alpha)->default_value(options.alpha, "0.95"),
+    ("alpha", po::value(&options->alpha)->default_value(options->alpha, "0.95"),
      "update rule of the queue, in (0, 1)")
     ("score", po::value<std::string>(),
      "what makes a segment better: entropy | pixel (expected error over the image); default "
      "entropy")
     ("rolling-shutter", po::value<std::string>(),
      "auto (estimated, default) | off (global shutter) | readout time of the whole image [s]")
-    ("converged-pixel-rms", po::value(&options.converged_pixel_rms),
+    ("converged-pixel-rms", po::value(&options->converged_pixel_rms),
      "CONVERGED below this pixel uncertainty [px]; default: 1 px per 640 px of image width")
-    ("relocalization-keyframes", po::value(&options.relocalization_keyframes)->default_value(
-         options.relocalization_keyframes),
+    ("relocalization-keyframes", po::value(&options->relocalization_keyframes)->default_value(
+         options->relocalization_keyframes),
      "keyframes remembered to recognise a map that was lost; 0: it is never sought")
-    ("solver-threads", po::value(&options.solver_threads)->default_value(options.solver_threads),
+    ("solver-threads", po::value(&options->solver_threads)->default_value(options->solver_threads),
      "threads for the joint solve; the result is the same");
-  // clang-format on
+}
+// clang-format on
+
+po::options_description description(CalibrateBagArguments* arguments) {
+  po::options_description all("Options", 100);
+  addImagesAndResults(arguments, &all);
+  addComparisons(arguments, &all);
+  addEstimation(&arguments->options, &all);
   return all;
 }
 

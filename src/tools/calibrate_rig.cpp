@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <functional>
-#include <memory>
 #include <stdexcept>
+#include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/pipeline/self_calibrator.h"
-#include "camera_self_calibration/rig/rig_calibrator.h"
-#include "camera_self_calibration/rig/rig_keyframes.h"
-#include "camera_self_calibration/tools/synchronised_images.h"
+#include "camera_self_calibration/rig/rig_self_calibrator.h"
+#include "camera_self_calibration/ros/input_monitor.h"
 #include "rig_trajectory.h"
 
 namespace camera_self_calibration {
@@ -29,41 +27,6 @@ std::vector<ImageSource> openTopics(SourceOptions source, const std::vector<std:
   return sources;
 }
 
-/// One camera of the rig, followed with its intrinsics held.
-class Follower {
- public:
-  Follower(const Options& options, const Camera& camera) {
-    Options held = options;
-    held.model = camera.model();
-    held.initial_camera = camera;
-    held.fix_intrinsics = true;
-    Callbacks callbacks;
-    callbacks.frame = [this](const FrameResult& result) { result_ = result; };
-    calibrator_ = std::make_unique<SelfCalibrator>(held, SelfCalibrator::Mode::kInline, callbacks);
-  }
-
-  /// Of an image that is refused: no tracks, no pose.
-  const FrameResult& process(const ImageView& image) {
-    result_ = FrameResult();
-    result_.stamp_ns = image.stamp_ns;
-    calibrator_->process(image);
-    return result_;
-  }
-
- private:
-  FrameResult result_;
-  std::unique_ptr<SelfCalibrator> calibrator_;
-};
-
-RigView viewOf(const FrameResult& result, const ImageView& image) {
-  RigView view;
-  view.tracks = result.tracks.tracks;
-  view.map_id = result.map_id;
-  if (result.state == TrackingState::kTracking) view.world_from_camera = result.world_from_camera;
-  view.image = image;
-  return view;
-}
-
 TimedPose poseOf(const FrameResult& result) {
   TimedPose pose;
   pose.stamp_ns = result.stamp_ns;
@@ -72,48 +35,65 @@ TimedPose poseOf(const FrameResult& result) {
   return pose;
 }
 
-/// Follows all cameras through the images; the first camera's way goes into `way`.
-void follow(const Options& options, const std::function<bool()>& stop, SynchronisedImages* images,
-            RigRecording* recording, RigCalibrator* calibrator, std::vector<TimedPose>* way) {
-  std::vector<std::unique_ptr<Follower>> followers;
-  for (const Recording& camera : recording->cameras) {
-    followers.push_back(std::make_unique<Follower>(options, camera.final_report.camera));
+/// The images of all cameras, as they came.
+class ImagesInOrder {
+ public:
+  explicit ImagesInOrder(std::vector<ImageSource> sources)
+      : sources_(std::move(sources)), monitors_(sources_.size()), waiting_(sources_.size()) {
+    for (InputMonitor& monitor : monitors_) monitor.takeZeroAsTime();
   }
-  RigKeyframes keyframes;
+
+  /// The next one and its camera. Images that cannot be read, those of another size or from before
+  /// the last one are left out.
+  std::optional<std::pair<int, ImageView>> next() {
+    int earliest = -1;
+    for (std::size_t c = 0; c < sources_.size(); ++c) {
+      if (!load(c)) continue;
+      if (earliest < 0 || waiting_[c]->stamp_ns < waiting_[earliest]->stamp_ns) {
+        earliest = static_cast<int>(c);
+      }
+    }
+    if (earliest < 0) return std::nullopt;
+    return std::make_pair(earliest, *std::exchange(waiting_[earliest], std::nullopt));
+  }
+
+ private:
+  bool load(std::size_t camera) {
+    while (!waiting_[camera]) {
+      const std::optional<GrayImage> image = sources_[camera].next();
+      if (!image) return false;
+      if (monitors_[camera].check(*image) == InputVerdict::kUse) waiting_[camera] = image->view;
+    }
+    return true;
+  }
+
+  std::vector<ImageSource> sources_;
+  std::vector<InputMonitor> monitors_;  // one for each source
+  std::vector<std::optional<ImageView>> waiting_;
+};
+
+/// Follows all cameras through the images with their intrinsics held, and solves for the rig; the
+/// first camera's way goes into `way`.
+RigReport follow(const RigOptions& rig, const Options& options, const std::function<bool()>& stop,
+                 std::vector<ImageSource> sources, RigRecording* recording,
+                 std::vector<TimedPose>* way) {
+  std::vector<Options> held;
+  for (const Recording& camera : recording->cameras) {
+    held.push_back(options.withHeld(camera.final_report.camera));
+  }
+  RigCallbacks callbacks;
+  callbacks.frame = [way](int camera, const FrameResult& result) {
+    if (camera == 0 && result.state == TrackingState::kTracking) way->push_back(poseOf(result));
+  };
+  RigSelfCalibrator calibrator(rig, held, SelfCalibrator::Mode::kInline, callbacks);
+  ImagesInOrder images(std::move(sources));
   while (recording->complete) {
-    const auto set = images->next();
-    if (!set) break;
-    RigFrame frame;
-    std::vector<bool> calls;
-    for (std::size_t c = 0; c < followers.size(); ++c) {
-      const FrameResult& result = followers[c]->process((*set)[c]);
-      calls.push_back(result.is_keyframe);
-      frame.views.push_back(viewOf(result, (*set)[c]));
-      if (c > 0) continue;
-      frame.stamp_ns = result.stamp_ns;
-      if (result.state == TrackingState::kTracking) way->push_back(poseOf(result));
-    }
-    calibrator->observe(frame);
-    const bool keyframe = keyframes.add(calls);
-    if (keyframe && !way->empty() && way->back().stamp_ns == frame.stamp_ns) {
-      way->back().is_keyframe = true;
-    }
-    if (keyframe) calibrator->add(std::move(frame));
+    const auto next = images.next();
+    if (!next) break;
+    calibrator.process(next->first, next->second);
     recording->complete = !(stop && stop());
   }
-}
-
-/// The joint intrinsics in place of those that the camera found for itself.
-void adopt(const RigEstimate& estimate, std::size_t c, double limit_px, CalibrationReport* report) {
-  const double alone = report->uncertainty.rms;
-  report->camera = estimate.rig.cameras[c];
-  report->covariance = estimate.intrinsics_covariance[c];
-  report->uncertainty = estimate.uncertainty[c];
-  report->sentence = formatted(
-      "Jointly with the other cameras of the rig the calibration is good to %.2g px rms "
-      "over the image (alone: %.2g px)",
-      report->uncertainty.rms, alone);
-  if (report->uncertainty.rms > limit_px) report->state = CalibrationState::kConverging;
+  return recording->complete ? calibrator.solve() : calibrator.report();
 }
 
 /// Why nothing can be said of the rig; empty where it can.
@@ -146,31 +126,34 @@ RigRecording calibrateRig(const SourceOptions& source, const std::vector<std::st
   RigRecording recording;
   CalibrateExtras extras;
   extras.stop = stop;
-  std::vector<Camera> cameras;
   for (ImageSource& images : openTopics(source, topics)) {
     recording.topics.push_back(images.name);
     recording.cameras.push_back(calibrate(&images, options, extras));
     recording.complete = recording.complete && recording.cameras.back().complete;
-    cameras.push_back(recording.cameras.back().final_report.camera);
   }
   recording.estimate.sentence = missing(recording);
   if (!recording.estimate.sentence.empty() || !recording.complete) return recording;
 
   RigOptions rig_options;
   rig_options.baseline_m = baseline_m;
+  rig_options.false_alarms_per_hour = options.false_alarms_per_hour;
+  rig_options.converged_pixel_rms = options.converged_pixel_rms;
   rig_options.solve.threads = options.solver_threads;
-  RigCalibrator calibrator(rig_options, cameras, AcrossImages());
-  SynchronisedImages images(openTopics(source, topics));
   std::vector<TimedPose> way;
-  follow(options, stop, &images, &recording, &calibrator, &way);
-  recording.estimate.sentence = images.problem();
-  if (!recording.estimate.sentence.empty() || !recording.complete) return recording;
-  recording.estimate = calibrator.estimate();
-  if (!recording.estimate.usable) return recording;
+  const RigReport report =
+      follow(rig_options, options, stop, openTopics(source, topics), &recording, &way);
+  if (!recording.complete) return recording;
+  recording.estimate = report.estimate;
+  recording.mount_changes = report.mount_changes;
+  if (!recording.estimate.usable) {
+    recording.estimate.sentence = report.sentence;
+    return recording;
+  }
   // What is not believed of the rig, as where clocks disagree, replaces nothing.
-  for (std::size_t c = 0; recording.estimate.converged && c < cameras.size(); ++c) {
-    adopt(recording.estimate, c, options.convergedRms(cameras[c].width()),
-          &recording.cameras[c].final_report);
+  for (std::size_t c = 0; recording.estimate.converged && c < recording.cameras.size(); ++c) {
+    CalibrationReport& own = recording.cameras[c].final_report;
+    own = withJointIntrinsics(own, recording.estimate, static_cast<int>(c),
+                              options.convergedRms(own.camera.width()));
   }
   recording.poses = onRig(way, recording.estimate.poses);
   return recording;

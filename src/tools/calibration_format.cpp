@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "camera_self_calibration/base/text.h"
 #include "camera_self_calibration/camera/fit_without_k3.h"
 #include "format_text.h"
 
@@ -55,7 +56,12 @@ bool looksLikeColmap(const std::string& text) {
          model.find_first_not_of("ABCDEFGHIJKLMNOPQRSTUVWXYZ_") == std::string::npos;
 }
 
+void refuseEndless(const std::string& text) {
+  if (hasListThatEndsInColon(text)) throw std::runtime_error("a list in it ends in a colon");
+}
+
 std::optional<CalibrationFormat> detectYaml(const std::string& text) {
+  refuseEndless(text);
   YAML::Node yaml;
   try {
     yaml = YAML::Load(withoutStorageHeader(text));
@@ -151,6 +157,7 @@ StoredCalibration parseCalibration(const std::string& text, CalibrationFormat fo
     throw std::runtime_error("--camera has no meaning for a file of the format " +
                              toString(format) + ", which does not name its cameras");
   }
+  refuseEndless(text);
   switch (format) {
     case CalibrationFormat::kRos:
       return parseRos(withoutStorageHeader(text));

@@ -2,25 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <opencv2/imgproc.hpp>
+
+#include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/camera/field_of_view.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kDegrees = 180.0 / M_PI;
 constexpr double kWidest = 120.0;  // of an undistorted image [deg]
-
-double angleBetween(const Camera& camera, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  const auto one = camera.unproject(a);
-  const auto other = camera.unproject(b);
-  if (!one || !other) return std::numeric_limits<double>::quiet_NaN();
-  // From the optical axis to each, so that more than 180 degrees are possible.
-  const auto fromAxis = [](const Eigen::Vector3d& ray) {
-    return std::atan2(ray.head<2>().norm(), ray.z());
-  };
-  return kDegrees * (fromAxis(*one) + fromAxis(*other));
-}
 
 }  // namespace
 
@@ -36,20 +26,11 @@ void ExampleFinder::add(const ImageView& image, const FrameResult& frame, std::u
   found_.trails = trails_;
 }
 
-FieldOfView fieldOfView(const Camera& camera) {
-  const double right = camera.width() - 1.0;
-  const double bottom = camera.height() - 1.0;
-  const Eigen::Vector2d centre = camera.parameters().segment<2>(2);
-  return {angleBetween(camera, {0.0, centre.y()}, {right, centre.y()}),
-          angleBetween(camera, {centre.x(), 0.0}, {centre.x(), bottom}),
-          angleBetween(camera, {0.0, 0.0}, {right, bottom})};
-}
-
 cv::Mat undistorted(const cv::Mat& gray, const Camera& camera) {
   if (!camera.valid() || gray.empty()) return {};
   const double horizontal = fieldOfView(camera).horizontal;
   const double width = std::isfinite(horizontal) ? std::min(horizontal, kWidest) : kWidest;
-  const double focal = 0.5 * (gray.cols - 1) / std::tan(0.5 * width / kDegrees);
+  const double focal = 0.5 * (gray.cols - 1) / std::tan(0.5 * width * kDegree);
   cv::Mat x(gray.size(), CV_32FC1), y(gray.size(), CV_32FC1);
   for (int row = 0; row < gray.rows; ++row) {
     for (int column = 0; column < gray.cols; ++column) {

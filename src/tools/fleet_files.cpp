@@ -8,9 +8,11 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/pipeline/state_file.h"
-#include "camera_self_calibration/plotting/teaching_chart.h"
+#include "camera_self_calibration/plotting/contribution_chart.h"
 #include "camera_self_calibration/tools/bag_state.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/fleet_results.h"
@@ -81,10 +83,10 @@ void writeEpoch(const fs::path& folder, const std::string& stem, const std::stri
 std::string valuesText(const Camera& lens, const IntrinsicsMatrix& covariance) {
   std::string text;
   for (Eigen::Index i = 0; i < lens.estimatedCount(); ++i) {
-    text += "," + json::number(lens.parameters()(i));
+    text += "," + exactText(lens.parameters()(i));
   }
   for (Eigen::Index i = 0; i < lens.estimatedCount(); ++i) {
-    text += "," + json::number(std::sqrt(covariance(i, i)));
+    text += "," + exactText(std::sqrt(covariance(i, i)));
   }
   return text;
 }
@@ -103,8 +105,8 @@ std::string historyHeader(const Camera& lens) {
 std::string historyRow(std::int64_t begin_ns, std::int64_t end_ns, int epoch, const Camera& lens,
                        const IntrinsicsMatrix& covariance, double uncertainty_px,
                        CalibrationState state, const std::string& of) {
-  return json::seconds(begin_ns) + "," + json::seconds(end_ns) + "," + std::to_string(epoch) +
-         valuesText(lens, covariance) + "," + json::number(uncertainty_px) + "," + toString(state) +
+  return stampText(begin_ns) + "," + stampText(end_ns) + "," + std::to_string(epoch) +
+         valuesText(lens, covariance) + "," + exactText(uncertainty_px) + "," + toString(state) +
          "," + quoted(of) + "\n";
 }
 
@@ -141,43 +143,44 @@ std::string historyText(const CameraResult& camera) {
 
 void addWorth(const EpochResult& epoch, std::vector<BagWorth>* worth) {
   IntrinsicsMatrix all;
-  for (const IntrinsicsMatrix& taught : epoch.solution.taught) {
-    if (taught.size() > 0) all = all.size() == 0 ? taught : IntrinsicsMatrix(all + taught);
+  for (const IntrinsicsMatrix& contribution : epoch.solution.contributions) {
+    if (contribution.size() > 0)
+      all = all.size() == 0 ? contribution : IntrinsicsMatrix(all + contribution);
   }
-  for (std::size_t b = 0; b < epoch.solution.taught.size(); ++b) {
-    const IntrinsicsMatrix& taught = epoch.solution.taught[b];
-    if (taught.size() > 0) (*worth)[b].growth = teachingOf(epoch.lens, all, taught).image;
+  for (std::size_t b = 0; b < epoch.solution.contributions.size(); ++b) {
+    const IntrinsicsMatrix& contribution = epoch.solution.contributions[b];
+    if (contribution.size() > 0)
+      (*worth)[b].growth = contributionOf(epoch.lens, all, contribution).image;
   }
   for (const WantedSegment& segment : epoch.solution.segments) ++(*worth)[segment.bag].segments;
 }
 
-std::string cameraJson(const CameraResult& camera) {
+Json cameraJson(const CameraResult& camera) {
   const EpochResult& present = camera.present();
-  std::vector<std::string> values, sigmas, changes;
+  Json values = Json::array(), sigmas = Json::array(), changes = Json::array();
   if (present.solved) {
     for (Eigen::Index i = 0; i < present.lens.estimatedCount(); ++i) {
-      values.push_back(json::number(present.lens.parameters()(i)));
-      sigmas.push_back(json::number(std::sqrt(present.solution.covariance(i, i))));
+      values.push_back(present.lens.parameters()(i));
+      sigmas.push_back(std::sqrt(present.solution.covariance(i, i)));
     }
   }
   for (const EpochBoundary& change : camera.history.changes) {
-    changes.push_back(
-        json::object({{"before", json::seconds(camera.history.bags[change.first].record.begin_ns)},
-                      {"p_value", json::number(change.p_value)}}));
+    changes.push_back({{"before", toSeconds(camera.history.bags[change.first].record.begin_ns)},
+                       {"p_value", change.p_value}});
   }
-  return json::object({{"camera", json::string(camera.history.name)},
-                       {"verdict", json::string(toString(verdictOf(camera)))},
-                       {"sentence", json::string(sentenceOf(camera))},
-                       {"bags", std::to_string(camera.history.bags.size())},
-                       {"epochs", std::to_string(camera.history.epochs())},
-                       {"changes", json::array(changes)},
-                       {"model", json::string(toString(camera.history.lens.model()))},
-                       {"values", json::array(values)},
-                       {"sigma", json::array(sigmas)},
-                       {"pixel_uncertainty_rms", json::number(present.solution.uncertainty_px)},
-                       {"scatter_of_bags_px", json::number(present.solution.tau_px)},
-                       {"sibling_p_value", json::number(camera.siblings.p_value)},
-                       {"sibling_distance_px", json::number(camera.siblings.distance_px)}});
+  return {{"camera", camera.history.name},
+          {"verdict", toString(verdictOf(camera))},
+          {"sentence", sentenceOf(camera)},
+          {"bags", camera.history.bags.size()},
+          {"epochs", camera.history.epochs()},
+          {"changes", changes},
+          {"model", toString(camera.history.lens.model())},
+          {"values", values},
+          {"sigma", sigmas},
+          {"pixel_uncertainty_rms", present.solution.uncertainty_px},
+          {"scatter_of_bags_px", present.solution.tau_px},
+          {"sibling_p_value", camera.siblings.p_value},
+          {"sibling_distance_px", camera.siblings.distance_px}};
 }
 
 // What calibrate_bag or a robot wrote, rather than a merge.
@@ -237,19 +240,19 @@ CameraResult writeCamera(const CameraHistory& history, const SegmentStore& store
 }
 
 void writeFleet(const std::vector<CameraResult>& cameras, const std::string& folder) {
-  std::vector<std::string> verdicts;
+  Json verdicts = Json::array();
   std::string bags = "camera,bag,begin,end,epoch,segments_used,error_growth_without,version\n";
   for (const CameraResult& camera : cameras) {
     verdicts.push_back(cameraJson(camera));
     for (std::size_t i = 0; i < camera.history.bags.size(); ++i) {
       const HistoricBag& bag = camera.history.bags[i];
       bags += quoted(camera.history.name) + "," + quoted(bag.record.bag) + "," +
-              json::seconds(bag.record.begin_ns) + "," + json::seconds(bag.record.end_ns) + "," +
+              stampText(bag.record.begin_ns) + "," + stampText(bag.record.end_ns) + "," +
               std::to_string(bag.epoch + 1) + "," + std::to_string(camera.worth[i].segments) + "," +
-              json::number(camera.worth[i].growth) + "," + quoted(bag.record.version) + "\n";
+              exactText(camera.worth[i].growth) + "," + quoted(bag.record.version) + "\n";
     }
   }
-  writeText(fs::path(folder) / "fleet.json", json::array(verdicts) + "\n");
+  writeText(fs::path(folder) / "fleet.json", toText(verdicts));
   writeText(fs::path(folder) / "bags.csv", bags);
 }
 

@@ -38,6 +38,7 @@ Colour colourOf(CameraVerdict verdict) {
 // Those that need a look first; within a kind by name.
 std::vector<const CameraResult*> byUrgency(const std::vector<CameraResult>& cameras) {
   std::vector<const CameraResult*> order;
+  order.reserve(cameras.size());
   for (const CameraResult& camera : cameras) order.push_back(&camera);
   std::stable_sort(order.begin(), order.end(), [](const CameraResult* a, const CameraResult* b) {
     return verdictOf(*a) > verdictOf(*b);

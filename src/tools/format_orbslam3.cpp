@@ -12,6 +12,7 @@ namespace {
 std::vector<double> numbers(const OpenCvStorage& storage, const std::string& prefix,
                             const std::vector<const char*>& names) {
   std::vector<double> values;
+  values.reserve(names.size());
   for (const char* name : names) values.push_back(storage.number(prefix + name));
   return values;
 }

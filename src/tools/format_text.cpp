@@ -4,11 +4,8 @@
 #include <stdexcept>
 
 #include "camera_self_calibration/camera/image_size.h"
-#include "camera_self_calibration/tools/json.h"
 
 namespace camera_self_calibration {
-
-std::string exactText(double value) { return json::number(value); }
 
 std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index count) {
   std::string text;

@@ -3,13 +3,12 @@
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 
 // What the readers and writers of the formats share.
 namespace camera_self_calibration {
 
-/// The shortest text that reads back as the same number.
-std::string exactText(double value);
 /// "1, 2, 3" of `count` values from `first` on.
 std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index count);
 

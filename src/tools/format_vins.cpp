@@ -14,6 +14,7 @@ constexpr const char* kDistortion = "distortion_parameters";
 std::vector<double> numbers(const OpenCvStorage& storage, const char* group,
                             const std::vector<const char*>& names) {
   std::vector<double> values;
+  values.reserve(names.size());
   for (const char* name : names) values.push_back(storage.numberIn(group, name));
   return values;
 }

@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/ros/messages.h"
 #include "camera_self_calibration/tools/calibration_file.h"
-#include "camera_self_calibration/tools/json.h"
 #include "csv_text.h"
 
 namespace camera_self_calibration {
@@ -18,94 +18,87 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string parametersJson(const Camera& camera, const std::function<double(std::size_t)>& value) {
-  std::vector<json::Member> members;
+Json parametersJson(const Camera& camera, const std::function<double(std::size_t)>& value) {
+  Json members = Json::object();
   const std::vector<std::string> names = camera.parameterNames();
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    members.emplace_back(names[i], json::number(value(i)));
-  }
-  return json::object(members);
+  for (std::size_t i = 0; i < names.size(); ++i) members[names[i]] = value(i);
+  return members;
 }
 
-std::string cameraJson(const CalibrationReport& report) {
+Json cameraJson(const CalibrationReport& report) {
   const Camera& camera = report.camera;
   const std::vector<double> sigma = parameterSigmas(report);
-  return json::object(
-      {{"model", json::string(toString(camera.model()))},
-       {"width", json::number(static_cast<std::int64_t>(camera.width()))},
-       {"height", json::number(static_cast<std::int64_t>(camera.height()))},
-       {"params", parametersJson(camera,
-                                 [&](std::size_t i) {
-                                   return camera.parameters()[static_cast<Eigen::Index>(i)];
-                                 })},
-       {"sigma", parametersJson(camera, [&](std::size_t i) { return sigma[i]; })}});
+  return {{"model", toString(camera.model())},
+          {"width", camera.width()},
+          {"height", camera.height()},
+          {"params", parametersJson(camera,
+                                    [&](std::size_t i) {
+                                      return camera.parameters()[static_cast<Eigen::Index>(i)];
+                                    })},
+          {"sigma", parametersJson(camera, [&](std::size_t i) { return sigma[i]; })}};
 }
 
-std::string modelsJson(const std::vector<ModelEvidence>& models) {
-  std::vector<std::string> values;
+Json modelsJson(const std::vector<ModelEvidence>& models) {
+  Json values = Json::array();
   for (const ModelEvidence& model : models) {
-    values.push_back(json::object({{"model", json::string(model.model)},
-                                   {"chosen", model.chosen ? "true" : "false"},
-                                   {"behind_nats", json::number(model.behind)}}));
+    values.push_back(
+        {{"model", model.model}, {"chosen", model.chosen}, {"behind_nats", model.behind}});
   }
-  return json::array(values);
+  return values;
 }
 
-std::string errorJson(const PixelError& error) {
-  return json::object({{"rms", json::number(error.rms)}, {"max", json::number(error.max)}});
+Json errorJson(const PixelError& error) { return {{"rms", error.rms}, {"max", error.max}}; }
+
+Json lensFitJson(const LensFitReport& fit) {
+  return {{"sentence", fit.sentence()},
+          {"better_model", fit.better},
+          {"misfit", errorJson(fit.misfit)},
+          {"misfit_observed", errorJson(fit.misfit_observed)},
+          {"undescribed_share", fit.undescribed}};
 }
 
-std::string lensFitJson(const LensFitReport& fit) {
-  return json::object({{"sentence", json::string(fit.sentence())},
-                       {"better_model", json::string(fit.better)},
-                       {"misfit", errorJson(fit.misfit)},
-                       {"misfit_observed", errorJson(fit.misfit_observed)},
-                       {"undescribed_share", json::number(fit.undescribed)}});
+Json crossValidationJson(const CrossValidation& halves) {
+  return {{"sentence", halves.sentence()},
+          {"compared", halves.compared},
+          {"cross_difference_px", halves.difference_px},
+          {"expected_px", halves.expected_px},
+          {"p_value", halves.p_value}};
 }
 
-std::string crossValidationJson(const CrossValidation& halves) {
-  return json::object({{"sentence", json::string(halves.sentence())},
-                       {"compared", halves.compared ? "true" : "false"},
-                       {"cross_difference_px", json::number(halves.difference_px)},
-                       {"expected_px", json::number(halves.expected_px)},
-                       {"p_value", json::number(halves.p_value)}});
+Json observedJson(const ObservedReport& observed) {
+  return {{"share", observed.share},
+          {"pixel_uncertainty", errorJson(observed.uncertainty)},
+          {"unseen_corners", observed.unseen_corners}};
 }
 
-std::string observedJson(const ObservedReport& observed) {
-  return json::object({{"share", json::number(observed.share)},
-                       {"pixel_uncertainty", errorJson(observed.uncertainty)},
-                       {"unseen_corners", json::string(observed.unseen_corners)}});
+Json auditJson(const AuditReport& audit) {
+  return {{"verdict", toString(audit.verdict)},
+          {"sentence", audit.sentence()},
+          {"hint", audit.hint},
+          {"distance_px", audit.distance_px},
+          {"sigma_px", audit.sigma_px},
+          {"tolerance_px", audit.tolerance_px},
+          {"p_value", audit.p_value},
+          {"axis_deg", audit.axis_deg},
+          {"axis_sigma_deg", audit.axis_sigma_deg},
+          {"refused_share", audit.refused},
+          {"where", audit.where},
+          {"likely_cause", toString(audit.cause)},
+          {"since_stamp", audit.since_ns ? Json(toSeconds(*audit.since_ns)) : Json()}};
 }
 
-std::string auditJson(const AuditReport& audit) {
-  return json::object({{"verdict", json::string(toString(audit.verdict))},
-                       {"sentence", json::string(audit.sentence())},
-                       {"hint", json::string(audit.hint)},
-                       {"distance_px", json::number(audit.distance_px)},
-                       {"sigma_px", json::number(audit.sigma_px)},
-                       {"tolerance_px", json::number(audit.tolerance_px)},
-                       {"p_value", json::number(audit.p_value)},
-                       {"axis_deg", json::number(audit.axis_deg)},
-                       {"axis_sigma_deg", json::number(audit.axis_sigma_deg)},
-                       {"refused_share", json::number(audit.refused)},
-                       {"where", json::string(audit.where)},
-                       {"likely_cause", json::string(toString(audit.cause))},
-                       {"since_stamp", audit.since_ns ? json::seconds(*audit.since_ns) : "null"}});
-}
-
-std::string eventsJson(const std::vector<Event>& events) {
-  std::vector<std::string> values;
-  values.reserve(events.size());
+Json eventsJson(const std::vector<Event>& events) {
+  Json values = Json::array();
   for (const Event& event : events) {
-    values.push_back(json::object({{"type", json::string(toString(event.type))},
-                                   {"stamp", json::seconds(event.stamp_ns)},
-                                   {"onset_stamp", json::seconds(event.onset_stamp_ns)},
-                                   {"epoch", std::to_string(event.epoch)},
-                                   {"magnitude_px", json::number(event.magnitude_px)},
-                                   {"p_value", json::number(event.p_value)},
-                                   {"sentence", json::string(event.sentence)}}));
+    values.push_back({{"type", toString(event.type)},
+                      {"stamp", toSeconds(event.stamp_ns)},
+                      {"onset_stamp", toSeconds(event.onset_stamp_ns)},
+                      {"epoch", event.epoch},
+                      {"magnitude_px", event.magnitude_px},
+                      {"p_value", event.p_value},
+                      {"sentence", event.sentence}});
   }
-  return json::array(values);
+  return values;
 }
 
 void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& write) {
@@ -117,8 +110,8 @@ void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& w
 void writePose(const TimedPose& pose, std::ostream& file) {
   const Eigen::Vector3d& t = pose.world_from_camera.translation;
   const Eigen::Quaterniond& q = pose.world_from_camera.rotation;
-  file << json::seconds(pose.stamp_ns) << std::setprecision(12) << ' ' << t.x() << ' ' << t.y()
-       << ' ' << t.z() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
+  file << stampText(pose.stamp_ns) << std::setprecision(12) << ' ' << t.x() << ' ' << t.y() << ' '
+       << t.z() << ' ' << q.x() << ' ' << q.y() << ' ' << q.z() << ' ' << q.w() << '\n';
 }
 
 void writeTrajectory(const Recording& recording, bool keyframes_only, std::ostream& file) {
@@ -155,7 +148,7 @@ void writeParameters(const CalibrationReport& report, CameraModel model, std::os
 }
 
 void writeCsvRow(const CalibrationReport& report, CameraModel model, std::ostream& file) {
-  file << json::seconds(report.stamp_ns) << std::setprecision(10);
+  file << stampText(report.stamp_ns) << std::setprecision(10);
   writeParameters(report, model, file);
   file << ',' << report.entropy << ',' << report.uncertainty.rms << ',' << report.uncertainty.max
        << ',' << report.queue.segments.size() << ',' << quoted(report.queue.last_decision) << ','
@@ -209,36 +202,33 @@ void writeTrajectory(const std::vector<TimedPose>& poses, bool complete, const s
   }
 }
 
-std::string summaryJson(const Recording& recording, const std::vector<json::Member>& extra) {
+Json summaryJson(const Recording& recording, const Json& extra) {
   const CalibrationReport& report = recording.final_report;
   const double rate = static_cast<double>(recording.frames) / recording.processing_seconds;
-  const auto count = [](auto n) { return json::number(static_cast<std::int64_t>(n)); };
-  std::vector<json::Member> members = {
-      {"state", json::string(toString(report.state))},
-      {"complete", recording.complete ? "true" : "false"},
-      {"sentence", json::string(report.sentence)},
-      {"hint", json::string(report.hint)},
+  Json summary = {
+      {"state", toString(report.state)},
+      {"complete", recording.complete},
+      {"sentence", report.sentence},
+      {"hint", report.hint},
       {"camera", cameraJson(report)},
       {"pixel_uncertainty", errorJson(report.uncertainty)},
-      {"frames", count(recording.frames)},
-      {"keyframes", count(recording.keyframes)},
-      {"processing_seconds", json::number(recording.processing_seconds)},
-      {"frames_per_second", json::number(rate)},
-      {"queue", json::object({{"segments", count(report.queue.segments.size())},
-                              {"swaps", count(report.queue.swaps)}})},
+      {"frames", recording.frames},
+      {"keyframes", recording.keyframes},
+      {"processing_seconds", recording.processing_seconds},
+      {"frames_per_second", rate},
+      {"queue", {{"segments", report.queue.segments.size()}, {"swaps", report.queue.swaps}}},
       {"observed", observedJson(report.observed)},
       {"cross_validation", crossValidationJson(report.cross_validation)},
       {"lens_fit", lensFitJson(report.lens_fit)},
       {"models", modelsJson(report.models)},
       {"events", eventsJson(recording.events)}};
-  if (recording.audit) members.emplace_back("audit", auditJson(*recording.audit));
-  members.insert(members.end(), extra.begin(), extra.end());
-  return json::object(members) + "\n";
+  if (recording.audit) summary["audit"] = auditJson(*recording.audit);
+  summary.update(extra);
+  return summary;
 }
 
 std::vector<std::string> writeRecording(const std::string& folder, const std::string& topic,
-                                        const Recording& recording,
-                                        const std::vector<json::Member>& extra) {
+                                        const Recording& recording, const Json& extra) {
   const fs::path path(folder);
   writeFile(path / "trajectory.tum",
             [&](std::ostream& file) { writeTrajectory(recording, false, file); });
@@ -251,7 +241,7 @@ std::vector<std::string> writeRecording(const std::string& folder, const std::st
   });
   const std::vector<std::string> notes = writeCalibrations(path, topic, recording);
   writeFile(path / "summary.json",
-            [&](std::ostream& file) { file << summaryJson(recording, extra); });
+            [&](std::ostream& file) { file << toText(summaryJson(recording, extra)); });
   return notes;
 }
 

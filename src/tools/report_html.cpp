@@ -7,9 +7,10 @@
 
 #include "batch_figures.h"
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/field_of_view.h"
 #include "camera_self_calibration/camera/pixel_difference.h"
+#include "camera_self_calibration/plotting/contribution_chart.h"
 #include "camera_self_calibration/plotting/difference_chart.h"
-#include "camera_self_calibration/plotting/teaching_chart.h"
 #include "camera_self_calibration/plotting/track_overlay.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 #include "camera_self_calibration/tools/fleet_results.h"
@@ -289,21 +290,21 @@ void addConvergence(const Recording& recording, HtmlPage* page) {
                  "Queues of different size"}});
 }
 
-void addTeachings(const Recording& recording, HtmlPage* page) {
+void addContributions(const Recording& recording, HtmlPage* page) {
   if (!recording.learnt) return;
   const Camera& camera = recording.learnt->camera;
-  const std::vector<SegmentTeaching> taught =
-      teachings(recording.learnt->segments, camera, originOf(recording));
+  const std::vector<SegmentContribution> contributed =
+      contributions(recording.learnt->segments, camera, originOf(recording));
   std::vector<std::string> names = camera.parameterNames();
   names.resize(static_cast<std::size_t>(camera.estimatedCount()));
   page->section("Which seconds informed the result",
                 "The result rests on these segments of the video alone. The darker a segment, the "
                 "more the error would grow without it.");
-  page->charts({{drawTeachings(taught, names, secondsOf(recording), kChartWidth),
+  page->charts({{drawContributions(contributed, names, secondsOf(recording), kChartWidth),
                  "Error without each segment, over time"}});
   std::vector<std::vector<std::string>> rows = {
       {"from [s]", "to [s]", "keyframes", "landmarks", "observations", "error without it"}};
-  for (const SegmentTeaching& segment : taught) {
+  for (const SegmentContribution& segment : contributed) {
     rows.push_back({number(segment.begin_s, 1), number(segment.end_s, 1),
                     std::to_string(segment.keyframes), std::to_string(segment.landmarks),
                     std::to_string(segment.observations), "+" + percent(segment.image)});
@@ -409,7 +410,7 @@ std::string reportHtml(const RunDescription& run, const Recording& recording,
   addResiduals(recording, &page);
   addModels(recording, &page);
   addConvergence(recording, &page);
-  addTeachings(recording, &page);
+  addContributions(recording, &page);
   addTrajectory(recording, trajectory, ground_truth, &page);
   addReference(recording, &page);
   addEvents(recording, &page);

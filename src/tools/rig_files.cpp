@@ -6,7 +6,9 @@
 #include <opencv2/core/eigen.hpp>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/field_of_view.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 #include "format_text.h"
@@ -14,12 +16,10 @@
 namespace camera_self_calibration {
 namespace {
 
-/// Between the rays of the middle row's ends [rad]; of all directions where they have none.
+/// Of the row of the principal point [rad]; of all directions where its ends have no rays.
 double widthOfView(const Camera& camera) {
-  const double middle = camera.parameters()(3);
-  const auto left = camera.unproject({0.0, middle});
-  const auto right = camera.unproject({camera.width() - 1.0, middle});
-  return left && right ? std::acos(left->normalized().dot(right->normalized())) : 2.0 * M_PI;
+  const double horizontal = fieldOfView(camera).horizontal;
+  return std::isfinite(horizontal) ? horizontal * kDegree : 2.0 * M_PI;
 }
 
 std::string motionText(const Rigid3& motion) {
@@ -117,6 +117,11 @@ std::string rigCamchain(const Rig& rig, const std::vector<std::string>& topics,
     text += motionText(rig.rig_from_camera[c].inverse() * rig.rig_from_camera[c - 1]);
   }
   return text;
+}
+
+std::string scaleNote(const RigEstimate& estimate) {
+  return estimate.metric ? "Lengths in metres."
+                         : "Lengths in distances between cam0 and cam1: the scale is not known.";
 }
 
 std::optional<StereoPair> stereoPair(const Rig& rig, std::string* problem) {

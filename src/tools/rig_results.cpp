@@ -7,50 +7,63 @@
 #include <functional>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
-#include "camera_self_calibration/tools/json.h"
 #include "camera_self_calibration/tools/report_text.h"
 #include "camera_self_calibration/tools/rig_files.h"
+#include "camera_self_calibration/tools/trajectory_results.h"
 
 namespace camera_self_calibration {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDegree = M_PI / 180.0;
-
-std::string vectorJson(const Eigen::Vector3d& v) {
-  return json::array({json::number(v.x()), json::number(v.y()), json::number(v.z())});
-}
+Json vectorJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
 std::string lengthUnit(const RigEstimate& estimate) {
   return estimate.metric ? "m" : "distance between the first two cameras";
 }
 
-std::string placeJson(const RigRecording& recording, int c) {
+Json placeJson(const RigRecording& recording, int c) {
   const RigEstimate& estimate = recording.estimate;
   const PlaceInRig& place = estimate.places[c];
   const Rigid3& pose = estimate.rig.rig_from_camera[c];
   const Eigen::Quaterniond& q = pose.rotation;
   const bool known = c == 0 || place.position_known;
   const Eigen::Vector3d& t = pose.translation;
-  return json::object(
-      {{"topic", json::string(recording.topics[c])},
-       {"rotation_xyzw", json::array({json::number(q.x()), json::number(q.y()), json::number(q.z()),
-                                      json::number(q.w())})},
-       {"rotation_vector_deg", vectorJson(logSo3(q) / kDegree)},
-       {"rotation_vector_sigma_deg",
-        vectorJson(place.rotation_covariance.diagonal().cwiseMax(0.0).cwiseSqrt() / kDegree)},
-       {"position", known ? vectorJson(t) : "null"},
-       {"position_sigma",
-        known ? vectorJson(place.position_covariance.diagonal().cwiseMax(0.0).cwiseSqrt())
-              : "null"},
-       {"direction_sigma_deg",
-        known && c > 0 ? json::number(place.directionSigma(t) / kDegree) : "null"},
-       {"time_offset_s", c > 0 ? json::number(place.time_offset.seconds) : "null"},
-       {"time_offset_sigma_s", c > 0 ? json::number(place.time_offset.sigma) : "null"},
-       {"shared_landmarks", json::number(static_cast<std::int64_t>(place.shared_landmarks))}});
+  return {
+      {"topic", recording.topics[c]},
+      {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
+      {"rotation_vector_deg", vectorJson(logSo3(q) / kDegree)},
+      {"rotation_vector_sigma_deg",
+       vectorJson(place.rotation_covariance.diagonal().cwiseMax(0.0).cwiseSqrt() / kDegree)},
+      {"position", known ? vectorJson(t) : Json()},
+      {"position_sigma",
+       known ? vectorJson(place.position_covariance.diagonal().cwiseMax(0.0).cwiseSqrt()) : Json()},
+      {"direction_sigma_deg", known && c > 0 ? Json(place.directionSigma(t) / kDegree) : Json()},
+      {"time_offset_s", c > 0 ? Json(place.time_offset.seconds) : Json()},
+      {"time_offset_sigma_s", c > 0 ? Json(place.time_offset.sigma) : Json()},
+      {"shared_landmarks", place.shared_landmarks}};
+}
+
+Json changeJson(const RigRecording& recording, const MountChange& change) {
+  const auto sigmas = [](const Eigen::Matrix3d& covariance) {
+    return vectorJson(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
+  };
+  return {{"type", toString(EventType::kMountChanged)},
+          {"camera", change.camera},
+          {"topic", recording.topics[change.camera]},
+          {"sentence", change.sentence},
+          {"onset_stamp", toSeconds(change.onset_ns)},
+          {"rotation_deg", change.angle() / kDegree},
+          {"rotation_sigma_deg", change.angleSigma() / kDegree},
+          {"rotation_vector_deg", vectorJson(change.rotation / kDegree)},
+          {"rotation_vector_sigma_deg", sigmas(change.rotation_covariance / (kDegree * kDegree))},
+          {"shift", change.shift_known ? vectorJson(change.shift) : Json()},
+          {"shift_sigma", change.shift_known ? sigmas(change.shift_covariance) : Json()},
+          {"p_value", change.p_value}};
 }
 
 std::string rigState(const RigRecording& recording) {
@@ -69,11 +82,6 @@ void writeInfo(const fs::path& path, const std::string& name, const sensor_msgs:
       throw std::runtime_error(path.string() + " cannot be written");
     }
   });
-}
-
-std::string scaleNote(const RigEstimate& estimate) {
-  return estimate.metric ? "Lengths in metres."
-                         : "Lengths in distances between cam0 and cam1: the scale is not known.";
 }
 
 std::vector<std::string> writeCalibration(const fs::path& folder, const RigRecording& recording) {
@@ -99,6 +107,9 @@ std::string rigText(const RigRecording& recording) {
   std::string text;
   if (!recording.complete) text += std::string(kPartial) + '\n';
   text += "rig: " + rigState(recording) + ": " + asSentence(recording.estimate.sentence) + '\n';
+  for (const MountChange& change : recording.mount_changes) {
+    text += toString(EventType::kMountChanged) + ": " + asSentence(change.sentence) + '\n';
+  }
   if (!recording.estimate.hint.empty()) text += asSentence(recording.estimate.hint) + '\n';
   for (std::size_t c = 0; c < recording.cameras.size(); ++c) {
     text += formatted("\ncamera %zu, %s\n", c, recording.topics[c].c_str());
@@ -107,37 +118,28 @@ std::string rigText(const RigRecording& recording) {
   return text;
 }
 
-std::string rigTrajectoryText(const RigRecording& recording,
-                              const std::vector<StampedCameraPose>& ground_truth) {
-  const std::vector<StampedCameraPose> poses(recording.poses.begin(), recording.poses.end());
-  const auto difference = compareTrajectories(poses, ground_truth);
+std::string rigTrajectoryText(const std::optional<TrajectoryDifference>& difference, bool metric) {
   if (!difference) return {};
-  return formatted(
-      "trajectory against the ground truth, after similarity alignment: ATE %.4f, RPE %.4f and "
-      "%.3f "
-      "deg over 1 s; %.1f travelled; scale %.4f%s\n",
-      difference->rms, difference->relative_translation, difference->relative_rotation_deg,
-      difference->travelled, difference->scale,
-      recording.estimate.metric ? " (1 where the baseline is right)" : "");
+  return kTrajectoryHeading + truthText("from the ground truth", difference) +
+         formatted("  scale %.4f%s\n", difference->scale,
+                   metric ? " (1 where the baseline is right)" : "");
 }
 
-std::string rigJson(const RigRecording& recording) {
+Json rigJson(const RigRecording& recording) {
   const RigEstimate& estimate = recording.estimate;
-  std::vector<std::string> places;
+  Json places = Json::array();
   for (int c = 0; estimate.usable && c < estimate.rig.size(); ++c) {
     places.push_back(placeJson(recording, c));
   }
-  return json::object(
-             {{"state", json::string(rigState(recording))},
-              {"complete", recording.complete ? "true" : "false"},
-              {"sentence", json::string(estimate.sentence)},
-              {"hint", json::string(estimate.hint)},
-              {"metric", estimate.metric ? "true" : "false"},
-              {"length_unit", json::string(lengthUnit(estimate))},
-              {"rig_from_camera", json::array(places)},
-              {"keyframes", json::number(static_cast<std::int64_t>(estimate.poses.size()))},
-              {"observations", json::number(static_cast<std::int64_t>(estimate.observations))}}) +
-         "\n";
+  Json changes = Json::array();
+  for (const MountChange& change : recording.mount_changes) {
+    changes.push_back(changeJson(recording, change));
+  }
+  return {{"state", rigState(recording)},       {"complete", recording.complete},
+          {"sentence", estimate.sentence},      {"hint", estimate.hint},
+          {"metric", estimate.metric},          {"length_unit", lengthUnit(estimate)},
+          {"rig_from_camera", places},          {"mount_changes", changes},
+          {"keyframes", estimate.poses.size()}, {"observations", estimate.observations}};
 }
 
 std::vector<std::string> writeRig(const std::string& folder, const RigRecording& recording) {
@@ -156,7 +158,7 @@ std::vector<std::string> writeRig(const std::string& folder, const RigRecording&
   });
   const std::vector<std::string> more = writeCalibration(path, recording);
   notes.insert(notes.end(), more.begin(), more.end());
-  writeFile(path / "summary.json", [&](std::ostream& file) { file << rigJson(recording); });
+  writeFile(path / "summary.json", [&](std::ostream& file) { file << toText(rigJson(recording)); });
   return notes;
 }
 

@@ -17,8 +17,8 @@ constexpr const char* kUsage =
     "\n"
     "Parameters: model, intrinsics, width, height, rate [Hz], duration [s], readout [s],\n"
     "exposure [s], motion (handheld, planar, yaw_driving, rotation_only, forward_only,\n"
-    "sideways_only, still), trajectory (TUM file), speed, seed, frame_id, publish_clock, "
-    "wait_for.\n"
+    "sideways_only, still), trajectory (TUM file), speed, seed, moving_share, carried_share,\n"
+    "text_overlay, auto_exposure, frame_id, publish_clock, wait_for.\n"
     "Topics: image_raw, camera_info, truth/camera_info, truth/calibration, truth/pose.\n";
 
 }  // namespace

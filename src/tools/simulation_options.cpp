@@ -52,7 +52,7 @@ void readMotion(const ros::NodeHandle& node, SequenceOptions* sequence) {
   sequence->motion.speed = node.param("speed", sequence->motion.speed);
   sequence->rate_hz = node.param("rate", sequence->rate_hz);
   sequence->duration_s = node.param("duration", sequence->duration_s);
-  sequence->renderer.row_time_s =
+  sequence->renderer.line_delay_s =
       node.param("readout", 0.0) / std::max(1, sequence->lens.camera.height() - 1);
   sequence->renderer.exposure_s = node.param("exposure", sequence->renderer.exposure_s);
   // A recorded trajectory in place of the synthetic one.
@@ -61,6 +61,20 @@ void readMotion(const ros::NodeHandle& node, SequenceOptions* sequence) {
   RealMotionOptions real;
   real.fit_into = makeRoom(sequence->room).free_space;
   sequence->trajectory = realMotion(readTum(file), real);
+}
+
+// What spoils the images of an otherwise good scene.
+void readDisturbances(const ros::NodeHandle& node, SequenceOptions* sequence) {
+  const double moving = node.param("moving_share", 0.0);
+  const double carried = node.param("carried_share", 0.0);
+  if (moving != 0.0 && carried != 0.0) {
+    throw std::runtime_error("moving_share and carried_share are both given; leave one of them 0");
+  }
+  sequence->objects.share = moving + carried;
+  sequence->objects.carried = carried != 0.0;
+  sequence->objects.seed = sequence->noise_seed;
+  sequence->text_overlay = node.param("text_overlay", sequence->text_overlay);
+  sequence->auto_exposure = node.param("auto_exposure", sequence->auto_exposure);
 }
 
 void check(const SimulationOptions& options) {
@@ -81,6 +95,7 @@ SimulationOptions readSimulationOptions(const ros::NodeHandle& private_node) {
   SimulationOptions options;
   options.sequence.lens.camera = readCamera(private_node);
   readMotion(private_node, &options.sequence);
+  readDisturbances(private_node, &options.sequence);
   options.frame_id = private_node.param("frame_id", options.frame_id);
   options.world_frame = private_node.param("world_frame", options.world_frame);
   options.publish_clock = private_node.param("publish_clock", options.publish_clock);

@@ -6,7 +6,6 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/simulation/tum_file.h"
-#include "camera_self_calibration/tools/json.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -25,6 +24,22 @@ std::string shareText(const char* when, const std::optional<TrajectoryDifference
       when, 100.0 * difference->share(), difference->poses);
 }
 
+Json differenceJson(const std::optional<TrajectoryDifference>& difference) {
+  if (!difference) return {};
+  return {{"poses", difference->poses},
+          {"travelled", difference->travelled},
+          {"scale", difference->scale},
+          {"mean", difference->mean},
+          {"ate_rms", difference->rms},
+          {"max", difference->max},
+          {"share_of_way", difference->share()},
+          {"rpe_seconds", difference->interval_s},
+          {"rpe_translation_rms", difference->relative_translation},
+          {"rpe_rotation_deg_rms", difference->relative_rotation_deg}};
+}
+
+}  // namespace
+
 std::string truthText(const char* what, const std::optional<TrajectoryDifference>& difference) {
   if (!difference) return {};
   return formatted("  %s: ATE %.4f, RPE %.4f and %.3f deg over %.0f s; %.1f travelled\n", what,
@@ -32,22 +47,6 @@ std::string truthText(const char* what, const std::optional<TrajectoryDifference
                    difference->relative_rotation_deg, difference->interval_s,
                    difference->travelled);
 }
-
-std::string differenceJson(const std::optional<TrajectoryDifference>& difference) {
-  if (!difference) return "null";
-  return json::object({{"poses", json::number(static_cast<std::int64_t>(difference->poses))},
-                       {"travelled", json::number(difference->travelled)},
-                       {"scale", json::number(difference->scale)},
-                       {"mean", json::number(difference->mean)},
-                       {"ate_rms", json::number(difference->rms)},
-                       {"max", json::number(difference->max)},
-                       {"share_of_way", json::number(difference->share())},
-                       {"rpe_seconds", json::number(difference->interval_s)},
-                       {"rpe_translation_rms", json::number(difference->relative_translation)},
-                       {"rpe_rotation_deg_rms", json::number(difference->relative_rotation_deg)}});
-}
-
-}  // namespace
 
 TrajectoryResults compareTrajectories(const Recording& recording,
                                       const std::vector<StampedCameraPose>& ground_truth) {
@@ -87,16 +86,15 @@ std::string trajectoryText(const TrajectoryResults& results) {
                      truthText("from the ground truth, whole run", results.truth) +
                      truthText("from the ground truth, after hand-over", results.truth_later) +
                      truthText("the same with the reference calibration", results.truth_reference);
-  return text.empty() ? text : "trajectory, after similarity alignment\n" + text;
+  return text.empty() ? text : kTrajectoryHeading + text;
 }
 
-std::string trajectoryJson(const TrajectoryResults& results) {
-  return json::object(
-      {{"reference_until_handover", differenceJson(results.startup)},
-       {"reference_after_handover", differenceJson(results.later)},
-       {"ground_truth", differenceJson(results.truth)},
-       {"ground_truth_after_handover", differenceJson(results.truth_later)},
-       {"ground_truth_with_reference_calibration", differenceJson(results.truth_reference)}});
+Json trajectoryJson(const TrajectoryResults& results) {
+  return {{"reference_until_handover", differenceJson(results.startup)},
+          {"reference_after_handover", differenceJson(results.later)},
+          {"ground_truth", differenceJson(results.truth)},
+          {"ground_truth_after_handover", differenceJson(results.truth_later)},
+          {"ground_truth_with_reference_calibration", differenceJson(results.truth_reference)}};
 }
 
 }  // namespace camera_self_calibration

@@ -43,6 +43,7 @@ std::vector<Appearance> describe(const ImageView& image, const std::vector<Track
                                  const std::vector<Eigen::Vector2d>& corners) {
   std::vector<Appearance> result;
   std::vector<Appearance> features;
+  features.reserve(tracks.size() + corners.size());
   for (const Track& track : tracks) features.push_back({track.id, track.pixel, {}});
   for (const Eigen::Vector2d& pixel : corners) features.push_back({kNoTrack, pixel, {}});
   if (!ImagePyramid::usable(image)) return result;

@@ -45,13 +45,13 @@ Eigen::Vector2d after(double seconds, const Eigen::Vector2d& pixel, const ImageM
 }
 
 // Pixels as a function p(s) of the image's stamp, s from this one: p(s) was seen at
-// s + (p_y(s) - middle_row) row_time_s; the s for which this is 0. Contracts by a feature's motion
-// in rows while one row is read.
+// s + (p_y(s) - middle_row) line_delay_s; the s for which this is 0. Contracts by a feature's
+// motion in rows while one row is read.
 double stampOfMiddleRow(const Eigen::Vector2d& pixel, const ImageMotion& motion, double middle_row,
-                        double row_time_s) {
+                        double line_delay_s) {
   double s = 0.0;
   for (int i = 0; i < 4; ++i) {
-    s = -(after(s, pixel, motion).y() - middle_row) * row_time_s;
+    s = -(after(s, pixel, motion).y() - middle_row) * line_delay_s;
   }
   return s;
 }
@@ -59,28 +59,28 @@ double stampOfMiddleRow(const Eigen::Vector2d& pixel, const ImageMotion& motion,
 }  // namespace
 
 Eigen::Vector2d asSeenAtOnce(const Eigen::Vector2d& pixel, const ImageMotion& motion,
-                             double middle_row, double row_time_s) {
-  return after(stampOfMiddleRow(pixel, motion, middle_row, row_time_s), pixel, motion);
+                             double middle_row, double line_delay_s) {
+  return after(stampOfMiddleRow(pixel, motion, middle_row, line_delay_s), pixel, motion);
 }
 
 ImageMotion motionInTime(const Eigen::Vector2d& pixel, const ImageMotion& stamped,
-                         double middle_row, double row_time_s) {
-  const double s = stampOfMiddleRow(pixel, stamped, middle_row, row_time_s);
+                         double middle_row, double line_delay_s) {
+  const double s = stampOfMiddleRow(pixel, stamped, middle_row, line_delay_s);
   const Eigen::Vector2d velocity = stamped.velocity + s * stamped.acceleration;
-  // t(s) = s + (p_y(s) - middle_row) row_time_s, and q(t(s)) = p(s).
-  const double pace = std::max(kLeastPace, 1.0 + row_time_s * velocity.y());
+  // t(s) = s + (p_y(s) - middle_row) line_delay_s, and q(t(s)) = p(s).
+  const double pace = std::max(kLeastPace, 1.0 + line_delay_s * velocity.y());
   ImageMotion in_time;
   in_time.velocity = velocity / pace;
   in_time.acceleration =
-      (stamped.acceleration - row_time_s * stamped.acceleration.y() * in_time.velocity) /
+      (stamped.acceleration - line_delay_s * stamped.acceleration.y() * in_time.velocity) /
       (pace * pace);
   return in_time;
 }
 
 Eigen::Vector2d asSeenAtOnceInTime(const Eigen::Vector2d& pixel, const ImageMotion& in_time,
-                                   double middle_row, double row_time_s) {
+                                   double middle_row, double line_delay_s) {
   // pixel = q + t q' + t^2 q'' / 2 with q and its derivatives at time 0.
-  const double t = (pixel.y() - middle_row) * row_time_s;
+  const double t = (pixel.y() - middle_row) * line_delay_s;
   return pixel - t * in_time.velocity - 0.5 * t * t * in_time.acceleration;
 }
 

@@ -40,6 +40,7 @@ std::vector<Pair> commonTracks(const TrackedFrame& last, const TrackedFrame& fra
 
 double medianFlow(const std::vector<Pair>& pairs) {
   std::vector<double> lengths;
+  lengths.reserve(pairs.size());
   for (const Pair& pair : pairs) lengths.push_back((pair.now - pair.before).norm());
   return median(std::move(lengths), 0.0);
 }
@@ -73,6 +74,7 @@ Eigen::Matrix3d robustRotation(const std::vector<RayPair>& rays) {
   Eigen::Matrix3d rotation = alignRays(rays, weights);
   for (int k = 0; k < kReweightings; ++k) {
     std::vector<double> errors;
+    errors.reserve(rays.size());
     for (const RayPair& ray : rays) errors.push_back((ray.now - rotation * ray.before).norm());
     const double scale = 1.5 * median(errors, 0.0) + 1e-9;
     for (std::size_t i = 0; i < rays.size(); ++i) {

@@ -56,6 +56,15 @@ TEST(IncompleteGamma, Logarithm) {
   EXPECT_NEAR(many, -std::log(150.0) - 2.5 * 150.0 / 151.0, 1e-3);
 }
 
+TEST(FalseAlarms, IsTheTailOfTheBinomialDistribution) {
+  EXPECT_NEAR(falseAlarms(1.0, 2, 3, 0.5), 0.5, 1e-12);
+  EXPECT_NEAR(falseAlarms(10.0, 3, 3, 0.1), 10.0 * 1e-3, 1e-15);
+  EXPECT_NEAR(falseAlarms(1.0, 1, 20, 0.01), 1.0 - std::pow(0.99, 20.0), 1e-12);
+  EXPECT_EQ(falseAlarms(7.0, 0, 3, 0.1), 7.0);
+  EXPECT_EQ(falseAlarms(7.0, -2, 1, 0.1), 7.0);
+  EXPECT_EQ(falseAlarms(7.0, 4, 3, 0.1), 0.0);
+}
+
 TEST(FDistribution, OfTheTables) {
   EXPECT_NEAR(fExceedance(4.387, 3, 8), 0.0419, 2e-4);
   EXPECT_NEAR(fExceedance(3.3258, 5, 10), 0.05, 1e-4);  // tables

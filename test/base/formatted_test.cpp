@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 namespace camera_self_calibration {
 namespace {
 
@@ -16,6 +18,19 @@ TEST(Formatted, CutsNothingOff) {
   const std::string word(5000, 'x');
   EXPECT_EQ(formatted("<%s>", word.c_str()), "<" + word + ">");
   EXPECT_EQ(formatted("%.1f", 1e300).size(), 303u);
+}
+
+TEST(Formatted, NumbersReadBack) {
+  for (const double value : {0.1, -1.0 / 3.0, 311.2, 1e-300, 6.02214076e23, 0.0}) {
+    EXPECT_EQ(std::strtod(exactText(value).c_str(), nullptr), value);
+  }
+  EXPECT_EQ(exactText(0.1), "0.1");
+}
+
+TEST(Formatted, SecondsAreExact) {
+  EXPECT_EQ(stampText(1700000000123456789), "1700000000.123456789");
+  EXPECT_EQ(stampText(5), "0.000000005");
+  EXPECT_EQ(stampText(-1500000000), "-1.500000000");
 }
 
 TEST(Formatted, BecomesASentence) {

@@ -3,20 +3,28 @@
 // intrinsics as it finds them alone: 0.3 % and a pixel off. One row a rig and camera, then a
 // summary.
 //
-//   rig_benchmark [RIGS [FIRST SEED]]
+//   rig_benchmark [--rigs 20] [--first-seed 1]
+//
+// With --change what a session makes of a camera that is turned by 0.5 degrees (bump), of one that
+// zooms by 1 % without saying so (zoom) or of neither (none), about half way through a hundred
+// keyframes: one row a rig, then how many were found, missed, confused, and false.
+//
+//   rig_benchmark --change bump|zoom|none [--degrees 0.5] [--rigs 20] [--first-seed 1]
 #include <Eigen/LU>
-#include <algorithm>
+#include <cmath>
 #include <cstdio>
-#include <cstdlib>
+#include <string>
 #include <vector>
 
+#include "benchmark/program_arguments.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/base/distributions.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/rig/rig_calibrator.h"
 #include "camera_self_calibration/simulation/random.h"
-#include "rig/simulated_rig.h"
+#include "rig/played_rig.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -121,9 +129,9 @@ bool judge(const RigEstimate& estimate, const Rig& truth, int c, Tally* tally) {
 void run(std::uint64_t seed, Tally* tally) {
   const SimulatedRigOptions options = randomRig(seed);
   const SimulatedRig rig = simulateRig(options);
-  RigCalibrator calibrator({}, asFoundAlone(rig.truth, seed), rig.across);
+  RigCalibrator calibrator({}, rig.truth.size(), rig.across);
   for (const RigFrame& frame : rig.frames) calibrator.add(frame);
-  const RigEstimate estimate = calibrator.estimate();
+  const RigEstimate estimate = calibrator.estimate(asFoundAlone(rig.truth, seed));
   ++tally->rigs;
   std::printf("rig %llu, %d cameras%s: %s\n", static_cast<unsigned long long>(seed),
               rig.truth.size(), seed % 2 == 0 ? ", overlap" : "",
@@ -139,10 +147,140 @@ void run(std::uint64_t seed, Tally* tally) {
   std::fflush(stdout);
 }
 
-double middle(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+constexpr double kZoom = 1.01;
+constexpr double kOnsetTolerance = 3.0;  // [s] what a stretch of keyframes takes, and a half
+
+struct MountTally {
+  int rigs = 0;
+  int known = 0;     // CONVERGED before the change
+  int found = 0;     // the right camera, near the right time
+  int amount = 0;    // of these, turned as it was within 3 sigma
+  int confused = 0;  // another camera, or a zoom
+  int false_alarms = 0;
+  int again = 0;    // CONVERGED in the end on what is true then
+  int falsely = 0;  // CONVERGED at any time beyond three times the limits from what is true
+  std::vector<double> error_deg;
+  std::vector<double> late_s;   // from the change to the alarm
+  std::vector<double> dated_s;  // of the onset
+};
+
+SimulatedRigOptions rigThatChanges(const std::string& kind, double degrees, std::uint64_t seed) {
+  SimulatedRigOptions options = randomRig(seed);
+  Random random(mixSeed(seed, 79));
+  options.frames = 100;
+  options.change_at_s = random.uniform(9.0, 11.0);
+  options.changed = random.integer(0, options.rig.size() - 1);
+  if (kind == "bump") {
+    options.bump.rotation = expSo3(degrees * kDegree * random.normal3().normalized());
+  }
+  if (kind == "zoom") options.zoom = kZoom;
+  return options;
+}
+
+bool near(const RigEstimate& estimate, const Rig& truth) {
+  for (int c = 1; c < truth.size(); ++c) {
+    const RigLimits limits = rigLimits(truth.cameras[c]);
+    const Rigid3& found = estimate.rig.rig_from_camera[c];
+    const Rigid3& pose = truth.rig_from_camera[c];
+    if (angleBetween(pose.rotation, found.rotation) > 3.0 * limits.rotation ||
+        angleBetween(pose.translation, found.translation) > 3.0 * limits.direction) {
+      return false;
+    }
+  }
+  return true;
+}
+
+// A rotation of one camera in its own frame, as the session says it: in the rig's frame, and of two
+// cameras always of the second.
+Eigen::Vector3d trueTurn(const SimulatedRigOptions& options) {
+  const Rigid3 turned(options.bump.rotation, Eigen::Vector3d::Zero());
+  const Eigen::Quaterniond& rig = options.rig.rig_from_camera[options.changed].rotation;
+  const Eigen::Vector3d turn = rig * logSo3(turned.rotation);
+  return options.rig.size() == 2 && options.changed == 0 ? Eigen::Vector3d(-turn) : turn;
+}
+
+bool judgeChange(const MountChange& change, const SimulatedRigOptions& options, MountTally* tally) {
+  const double dated = 1e-9 * static_cast<double>(change.onset_ns) - options.change_at_s;
+  const int camera = options.rig.size() == 2 ? 1 : options.changed;
+  if (change.camera != camera || std::abs(dated) > kOnsetTolerance) return false;
+  const Eigen::Vector3d error = change.rotation - trueTurn(options);
+  const double p =
+      chiSquareExceedance(error.dot(change.rotation_covariance.inverse() * error), 3.0);
+  tally->amount += p > kBeyondThreeSigma;
+  tally->error_deg.push_back(error.norm() / kDegree);
+  tally->late_s.push_back(1e-9 * static_cast<double>(change.found_ns) - options.change_at_s);
+  tally->dated_s.push_back(std::abs(dated));
+  return true;
+}
+
+void runChange(const std::string& kind, double degrees, std::uint64_t seed, MountTally* tally) {
+  const SimulatedRigOptions options = rigThatChanges(kind, degrees, seed);
+  const SimulatedRig rig = simulateRig(options);
+  const Rig after = afterBump(options);
+  RigSession session({}, rig.truth.size(), rig.across);
+  bool known = false, falsely = false;
+  play(rig, asFoundAlone(rig.truth, seed), &session, [&](const RigReport& report) {
+    if (report.state != CalibrationState::kConverged) return;
+    const double time_s = 1e-9 * static_cast<double>(report.estimate.poses.back().stamp_ns);
+    known = known || time_s < options.change_at_s;
+    falsely = falsely || !(near(report.estimate, rig.truth) || near(report.estimate, after));
+  });
+  const RigReport last = session.report();
+  bool found = false;
+  int others = 0;
+  for (const MountChange& change : last.mount_changes) {
+    const bool right = kind == "bump" && judgeChange(change, options, tally);
+    others += !right || found;
+    found = found || right;
+  }
+  const bool again = last.state == CalibrationState::kConverged && near(last.estimate, after);
+  ++tally->rigs;
+  tally->known += known;
+  tally->found += found;
+  tally->confused += kind != "none" && others > 0;
+  tally->false_alarms += kind == "none" ? others : 0;
+  tally->again += again;
+  tally->falsely += falsely;
+  std::printf("rig %llu, %d cameras%s, camera %d at %.1f s: %s%s%s%s%s\n",
+              static_cast<unsigned long long>(seed), rig.truth.size(),
+              seed % 2 == 0 ? ", overlap" : "", options.changed, options.change_at_s,
+              known ? "known, " : "not known, ", found ? "found, " : "",
+              others > 0 ? "something else found, " : "", again ? "CONVERGED in the end" : "",
+              falsely ? ", FALSELY CONVERGED" : "");
+  for (const MountChange& change : last.mount_changes) {
+    std::printf("  %s (p = %.1e)\n", change.sentence.c_str(), change.p_value);
+  }
+  std::fflush(stdout);
+}
+
+int runChanges(const std::string& kind, double degrees, int rigs, std::uint64_t first_seed) {
+  MountTally tally;
+  for (int i = 0; i < rigs; ++i) {
+    runChange(kind, degrees, first_seed + static_cast<std::uint64_t>(i), &tally);
+  }
+  std::printf(
+      "%s: %d rigs, %d known before; %d found, %d missed, %d confused, %d false alarms\n"
+      "amount inside 3 sigma: %d, median error %.4f deg; onset off by %.2f s, told after %.1f s "
+      "(medians)\n"
+      "CONVERGED on the truth in the end: %d; CONVERGED on neither before nor after: %d\n",
+      kind.c_str(), tally.rigs, tally.known, tally.found,
+      kind == "bump" ? tally.rigs - tally.found : 0, tally.confused, tally.false_alarms,
+      tally.amount, median(tally.error_deg, NAN), median(tally.dated_s, NAN),
+      median(tally.late_s, NAN), tally.again, tally.falsely);
+  return 0;
+}
+
+int run(int rigs, std::uint64_t first_seed) {
+  Tally tally;
+  for (int i = 0; i < rigs; ++i) run(first_seed + static_cast<std::uint64_t>(i), &tally);
+  std::printf(
+      "%d rigs, %d told, %d CONVERGED (%d of them beyond three times the limits)\n"
+      "rotation inside 3 sigma: %d of %d, median error %.4f deg\n"
+      "direction inside 3 sigma: %d of %d, median error %.3f deg\n",
+      tally.rigs, tally.told, tally.converged, tally.falsely, tally.rotations_inside,
+      tally.rotations, median(tally.rotation_deg, NAN), tally.positions_inside, tally.positions,
+      median(tally.direction_deg, NAN));
+  return 0;
 }
 
 }  // namespace
@@ -150,16 +288,14 @@ double middle(std::vector<double> values) {
 
 int main(int argc, char** argv) {
   using namespace camera_self_calibration;
-  const int rigs = argc > 1 ? std::atoi(argv[1]) : 20;
-  const int first = argc > 2 ? std::atoi(argv[2]) : 1;
-  Tally tally;
-  for (int i = 0; i < rigs; ++i) run(static_cast<std::uint64_t>(first + i), &tally);
-  std::printf(
-      "%d rigs, %d told, %d CONVERGED (%d of them beyond three times the limits)\n"
-      "rotation inside 3 sigma: %d of %d, median error %.4f deg\n"
-      "direction inside 3 sigma: %d of %d, median error %.3f deg\n",
-      tally.rigs, tally.told, tally.converged, tally.falsely, tally.rotations_inside,
-      tally.rotations, middle(tally.rotation_deg), tally.positions_inside, tally.positions,
-      middle(tally.direction_deg));
-  return 0;
+  const auto values = readArguments(
+      argc, argv,
+      {{"--rigs", "20"}, {"--first-seed", "1"}, {"--change", ""}, {"--degrees", "0.5"}});
+  if (!values) return 1;
+  const std::string change = values->at("--change");
+  if (!change.empty()) {
+    return runChanges(change, std::stod(values->at("--degrees")), std::stoi(values->at("--rigs")),
+                      std::stoull(values->at("--first-seed")));
+  }
+  return run(std::stoi(values->at("--rigs")), std::stoull(values->at("--first-seed")));
 }

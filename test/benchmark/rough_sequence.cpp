@@ -1,5 +1,6 @@
 #include "benchmark/rough_sequence.h"
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <opencv2/imgcodecs.hpp>
@@ -29,10 +30,15 @@ SequenceOptions sequenceOf(const RoughVideo& video, const Roughness& roughness) 
   options.lens.camera = scaled(options.lens.camera, video.scale);
   options.motion.speed *= roughness.motion_speed;
   RendererOptions& renderer = options.renderer;
-  renderer.row_time_s = roughness.readout_s / (options.lens.camera.height() - 1);
+  renderer.line_delay_s = roughness.readout_s / (options.lens.camera.height() - 1);
   renderer.exposure_s = roughness.exposure_s;
   renderer.sensor.noise_sigma = roughness.noise_sigma;
   renderer.sensor.vignetting = roughness.vignetting;
+  options.objects.share = std::max(roughness.moving_share, roughness.carried_share);
+  options.objects.carried = roughness.carried_share > 0.0;
+  options.objects.seed = video.seed;
+  options.text_overlay = roughness.text_overlay;
+  options.auto_exposure = roughness.auto_exposure;
   return options;
 }
 
@@ -91,6 +97,14 @@ std::vector<Roughness> roughnessKinds() {
   Roughness& fast_and_blurred = add("fast and blurred");
   fast_and_blurred.motion_speed = 2.0;
   fast_and_blurred.exposure_s = 0.020;
+  add("moving 5 %").moving_share = 0.05;
+  add("moving 15 %").moving_share = 0.15;
+  add("moving 30 %").moving_share = 0.30;
+  add("carried 5 %").carried_share = 0.05;
+  add("carried 15 %").carried_share = 0.15;
+  add("carried 30 %").carried_share = 0.30;
+  add("text overlay").text_overlay = true;
+  add("automatic exposure").auto_exposure = true;
   Roughness& all = add("all of it");
   all.readout_s = 0.015;
   all.exposure_s = 0.010;

@@ -21,6 +21,10 @@ struct Roughness {
   double exposure_jumps_s = 0.0;  ///< Mean time between jumps of the gain; 0: none.
   int jpeg_quality = 0;           ///< 0: not compressed.
   double dropped_share = 0.0;     ///< Of the images, one by one and in runs of up to 10.
+  double moving_share = 0.0;      ///< Of the image, covered by objects that move by themselves,
+  double carried_share = 0.0;     ///< or else by objects that are fixed to the camera.
+  bool text_overlay = false;
+  bool auto_exposure = false;
 };
 
 /// The kinds of roughness that the benchmark knows, the clean images first.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,28 @@ inline SimulatedSegment smallSegment(const Camera& camera, LandmarkOrigin origin
   options.tracks.max_features = features;
   options.tracks.pixel_sigma = pixel_sigma;
   return makeSegment(options, seed);
+}
+
+/// Every `nth` landmark moves through the image by itself, 3 px a keyframe, or stays where it was
+/// first seen, as what the camera carries does. Tells for each whether it does.
+inline std::vector<char> letMove(std::size_t nth, bool carried, Segment* segment) {
+  constexpr double kStepPx = 3.0;
+  std::vector<char> moves(segment->landmarks.size(), 0);
+  for (std::size_t l = 0; l < moves.size(); l += nth) moves[l] = 1;
+  std::vector<const Observation*> first(moves.size(), nullptr);
+  for (Observation& observation : segment->observations) {
+    const auto l = static_cast<std::size_t>(observation.landmark);
+    if (moves[l] == 0) continue;
+    if (first[l] == nullptr) first[l] = &observation;
+    const Landmark& landmark = segment->landmarks[l];
+    const double steps = observation.keyframe - landmark.reference;
+    const auto angle = static_cast<double>(l);
+    observation.pixel =
+        carried ? (landmark.anchored ? landmark.reference_pixel : first[l]->pixel)
+                : observation.pixel +
+                      kStepPx * steps * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+  }
+  return moves;
 }
 
 inline Camera withParameters(Camera camera, const Intrinsics& parameters) {

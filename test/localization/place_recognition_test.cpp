@@ -107,7 +107,29 @@ TEST(PlaceRecognition, LooksAloneGiveTheFirstGuess) {
   const auto pose = poseAtPlace(kPlaces[0], matches, kCamera);
   ASSERT_TRUE(pose);
   EXPECT_LT((pose->translation - truePose().translation).norm(), 0.1);
-  EXPECT_FALSE(poseAtPlace(kPlaces[0], matchPlace(kPlaces[0], present(9)), kCamera));
+  EXPECT_TRUE(poseAtPlace(kPlaces[0], matchPlace(kPlaces[0], present(9)), kCamera));
+  EXPECT_FALSE(poseAtPlace(kPlaces[0], matchPlace(kPlaces[0], present(7)), kCamera)) << "too few";
+}
+
+// Things that look like those of the place, but stand elsewhere.
+TEST(PlaceRecognition, MatchesThatDoNotBelongTogetherGiveNoGuess) {
+  auto matches = matchPlace(kPlaces[0], present(30));
+  ASSERT_GE(matches.size(), 20u);
+  const Eigen::Vector2d first = matches.front().pixel;
+  for (std::size_t i = 0; i + 1 < matches.size(); ++i) matches[i].pixel = matches[i + 1].pixel;
+  matches.back().pixel = first;
+  EXPECT_FALSE(poseAtPlace(kPlaces[0], matches, kCamera));
+}
+
+// A third of the matches is right; the others are anywhere.
+TEST(PlaceRecognition, FewRightOnesAmongManyGiveTheFirstGuess) {
+  auto matches = matchPlace(kPlaces[0], present(30));
+  for (std::size_t i = 0; 3 * i + 5 < matches.size(); ++i) {
+    std::swap(matches[3 * i].pixel, matches[3 * i + 4].pixel);
+  }
+  const auto pose = poseAtPlace(kPlaces[0], matches, kCamera);
+  ASSERT_TRUE(pose);
+  EXPECT_LT((pose->translation - truePose().translation).norm(), 0.1);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kRowTime = 30e-6;
+constexpr double kLineDelay = 30e-6;
 constexpr double kMiddle = 239.5;
 constexpr double kFrame = 1.0 / 30.0;
 constexpr int kPoints = 100;
@@ -40,7 +40,7 @@ Eigen::Vector2d pixelAt(int i, double t) {
 // As rows that are read one after the other see it; the middle one at `t`.
 Eigen::Vector2d seenAt(int i, double t) {
   Eigen::Vector2d pixel = pixelAt(i, t);
-  for (int k = 0; k < 20; ++k) pixel = pixelAt(i, t + (pixel.y() - kMiddle) * kRowTime);
+  for (int k = 0; k < 20; ++k) pixel = pixelAt(i, t + (pixel.y() - kMiddle) * kLineDelay);
   return pixel;
 }
 
@@ -155,13 +155,13 @@ TEST(RigidMotion, FreesPixelsOfTheRollingShutterWithoutTheNoiseOfTheirMotion) {
   const Segment seen = rollingSegment(0.5);
   ASSERT_GT(rmsFreedError(seen), 0.3) << "there is something to be freed of";
   Segment each = seen;
-  setRowTime(kRowTime, kCamera.height(), &each);
+  setLineDelay(kLineDelay, kCamera.height(), &each);
   Segment together = seen;
-  setRowTimeOfScene(kRowTime, kCamera, &together);
+  setLineDelayOfScene(kLineDelay, kCamera, &together);
   EXPECT_LT(rmsFreedError(together), 0.4 * rmsFreedError(each));
   EXPECT_LT(rmsFreedError(together), 0.015);
-  EXPECT_EQ(together.keyframes.front().row_time_s, kRowTime);
-  setRowTimeOfScene(0.0, kCamera, &together);
+  EXPECT_EQ(together.keyframes.front().line_delay_s, kLineDelay);
+  setLineDelayOfScene(0.0, kCamera, &together);
   for (int i = 0; i < kPoints; ++i) {
     EXPECT_LT((together.observations[i].pixel - seen.observations[i].pixel).norm(), 1e-9);
   }

@@ -50,6 +50,24 @@ TEST(Health, InitializesUntilHandover) {
   EXPECT_FALSE(verdict.hint.empty());
 }
 
+// As good as it looks, but a single stretch of the video says so: an error of it would not show.
+TEST(Health, AnEstimateThatNothingChecksIsNotConverged) {
+  HealthEvidence alone = evidence(20, true, 0.8);
+  for (const double blind : {30.0, static_cast<double>(INFINITY)}) {
+    alone.blind_below_px = blind;
+    const HealthVerdict verdict = judgeHealth(alone, kCamera, false);
+    EXPECT_EQ(verdict.state, CalibrationState::kConverging);
+    EXPECT_NE(verdict.sentence.find("one part of the video alone"), std::string::npos);
+    EXPECT_FALSE(verdict.hint.empty());
+  }
+  alone.blind_below_px = 1.6;  // of halves that are as good as each other
+  EXPECT_EQ(judgeHealth(alone, kCamera, false).state, CalibrationState::kConverged);
+  // No flicker.
+  alone.blind_below_px = 5.0;
+  EXPECT_EQ(judgeHealth(alone, kCamera, true).state, CalibrationState::kConverged);
+  EXPECT_EQ(judgeHealth(alone, kCamera, false).state, CalibrationState::kConverging);
+}
+
 TEST(Health, ConvergesBelowTheThreshold) {
   EXPECT_EQ(judgeHealth(evidence(20, true, 1.2), kCamera, false).state,
             CalibrationState::kConverging);

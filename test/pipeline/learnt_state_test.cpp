@@ -228,8 +228,8 @@ TEST(LearntState, TheFormatBeforeTheShutterIsStillRead) {
   EXPECT_EQ(state.keyframes, 42);
   EXPECT_EQ(state.revision, 7u);
   EXPECT_EQ(state.epoch, 3u);
-  EXPECT_EQ(state.row_time_s, 0.0);
-  EXPECT_EQ(state.row_time_sigma_s, 0.0) << "no estimate";
+  EXPECT_EQ(state.line_delay_s, 0.0);
+  EXPECT_EQ(state.line_delay_sigma_s, 0.0) << "no estimate";
   ASSERT_EQ(state.segments.size(), 1u);
   const Candidate& candidate = state.segments[0];
   EXPECT_EQ(candidate.segment.sequence, 41);
@@ -276,8 +276,8 @@ BagRecord recordWith(const Camera& lens) {
   record.uncertainty_px = 0.5;
   record.misfit_px = 0.125;
   record.scatter = {12.5, 8};
-  record.row_time_s = 1e-5;
-  record.row_time_sigma_s = 1e-6;
+  record.line_delay_s = 1e-5;
+  record.line_delay_sigma_s = 1e-6;
   record.segments = {{1, 2, -3.5}, {4, 5, -2.5}};
   return record;
 }
@@ -305,8 +305,8 @@ TEST(LearntState, KeepsTheRecordsOfItsBags) {
   EXPECT_EQ(read.misfit_px, 0.125);
   EXPECT_EQ(read.scatter.chi_square, 12.5);
   EXPECT_EQ(read.scatter.freedom, 8);
-  EXPECT_EQ(read.row_time_s, 1e-5);
-  EXPECT_EQ(read.row_time_sigma_s, 1e-6);
+  EXPECT_EQ(read.line_delay_s, 1e-5);
+  EXPECT_EQ(read.line_delay_sigma_s, 1e-6);
   ASSERT_EQ(read.segments.size(), 2u);
   EXPECT_EQ(read.segments[0].begin_ns, 1);
   EXPECT_EQ(read.segments[1].entropy, -2.5);

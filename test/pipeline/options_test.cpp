@@ -98,6 +98,7 @@ TEST(Results, NamesOfStatesAndEvents) {
   EXPECT_EQ(toString(EventType::kLost), "LOST");
   EXPECT_EQ(toString(EventType::kRelocalized), "RELOCALIZED");
   EXPECT_EQ(toString(EventType::kInput), "INPUT");
+  EXPECT_EQ(toString(EventType::kMountChanged), "MOUNT_CHANGED");
 }
 
 }  // namespace

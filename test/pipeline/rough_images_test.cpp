@@ -76,5 +76,14 @@ TEST(RoughImages, ExposureJumpsNoiseAndCompression) {
   expectHonest(calibrate(smallVideo(), rough));
 }
 
+TEST(RoughImages, MovingObjectsTextAndAutomaticExposure) {
+  Roughness rough;
+  rough.name = "moving objects, text, automatic exposure";
+  rough.moving_share = 0.1;
+  rough.text_overlay = true;
+  rough.auto_exposure = true;
+  expectHonest(calibrate(smallVideo(), rough));
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

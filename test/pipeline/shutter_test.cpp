@@ -100,12 +100,12 @@ TEST(Shutter, StateKeepsIt) {
   EXPECT_EQ(run.record.count(EventType::kCalibrationChange), 0);
 }
 
-// The least cost with the row time held, poses, depths and intrinsics solved for.
-double solvedCost(double row_time_s, const std::vector<Candidate>& candidates, Camera camera) {
+// The least cost with the line delay held, poses, depths and intrinsics solved for.
+double solvedCost(double line_delay_s, const std::vector<Candidate>& candidates, Camera camera) {
   std::vector<Segment> segments;
   for (const Candidate& candidate : candidates) {
     segments.push_back(candidate.segment);
-    setRowTimeOfScene(row_time_s, camera, &segments.back());
+    setLineDelayOfScene(line_delay_s, camera, &segments.back());
   }
   Problem problem{&camera, true, {}};
   for (std::size_t i = 0; i < segments.size(); ++i) {
@@ -122,17 +122,17 @@ TEST(Shutter, ProfileToFirstOrderIsThatOfSolutions) {
   const std::vector<Candidate>& candidates = queue.candidates();
   const QueueSolution& solution = queue.solution();
   ASSERT_EQ(candidates.size(), rolling().state->segments.size());
-  const RowTimeEstimate estimate = queue.rowTime();
+  const LineDelayEstimate estimate = queue.lineDelay();
   ASSERT_TRUE(estimate.usable);
-  const double present = candidates.front().segment.keyframes.front().row_time_s;
+  const double present = candidates.front().segment.keyframes.front().line_delay_s;
   const double step = 2.0 * estimate.sigma_s;
   const double before = solvedCost(present - step, candidates, solution.camera);
   const double here = solvedCost(present, candidates, solution.camera);
   const double after = solvedCost(present + step, candidates, solution.camera);
   const double bend = (before - 2.0 * here + after) / (step * step);
   const double solved = present - 0.5 * (after - before) / step / bend;
-  EXPECT_NEAR(estimate.row_time_s, solved, 0.3 * estimate.sigma_s);
-  EXPECT_NEAR(estimate.sigma_s * std::sqrt(bend), solution.scatter.inflation(), 0.15);
+  EXPECT_NEAR(estimate.line_delay_s, solved, 0.3 * estimate.sigma_s);
+  EXPECT_NEAR(estimate.sigma_s * std::sqrt(bend), solution.scatter.birgeRatio(), 0.15);
 }
 
 TEST(Shutter, PixelsCanBePutBack) {
@@ -140,7 +140,7 @@ TEST(Shutter, PixelsCanBePutBack) {
   const Camera truth = ordinaryCameras()[1];
   const Segment freed = rolling().state->segments.front().segment;
   Segment segment = freed;
-  setRowTime(0.0, truth.height(), &segment);
+  setLineDelay(0.0, truth.height(), &segment);
   double moved = 0.0;
   double left = 0.0;
   for (std::size_t i = 0; i < segment.observations.size(); ++i) {
@@ -151,7 +151,7 @@ TEST(Shutter, PixelsCanBePutBack) {
   }
   EXPECT_GT(moved, 1.0) << "pixels as they were seen";
   EXPECT_LT(left, 1e-9);
-  setRowTimeOfScene(freed.keyframes.front().row_time_s, truth, &segment);
+  setLineDelayOfScene(freed.keyframes.front().line_delay_s, truth, &segment);
   double apart = 0.0;
   for (std::size_t i = 0; i < segment.observations.size(); ++i) {
     apart = std::max(apart, (segment.observations[i].pixel - freed.observations[i].pixel).norm());

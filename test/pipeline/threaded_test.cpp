@@ -1,8 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
-#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <iostream>
 #include <memory>
 #include <mutex>
@@ -35,17 +36,32 @@ const std::vector<ImageView>& images() {
   return views;
 }
 
-// Callbacks come from two threads.
+// Callbacks come from two threads, until they are told to end.
 struct LockedRecord {
   std::mutex mutex;
+  std::condition_variable came;  // a frame
   Record record;
+  bool ended = false;
+
+  void waitForFrames(std::size_t count) {
+    std::unique_lock<std::mutex> lock(mutex);
+    came.wait(lock, [&] { return ended || record.frames.size() >= count; });
+  }
+
+  void end() {
+    const std::lock_guard<std::mutex> lock(mutex);
+    ended = true;
+    came.notify_all();
+  }
 
   Callbacks callbacks() {
     Callbacks inner = record.callbacks();
     Callbacks result;
     result.frame = [this, inner](const FrameResult& frame) {
       const std::lock_guard<std::mutex> lock(mutex);
+      EXPECT_FALSE(ended);
       inner.frame(frame);
+      came.notify_all();
     };
     result.calibration = [this, inner](const CalibrationReport& report) {
       const std::lock_guard<std::mutex> lock(mutex);
@@ -129,14 +145,14 @@ TEST(Threaded, MayBeDestroyedInTheMiddleOfWork) {
     LockedRecord locked;
     auto calibrator = std::make_unique<SelfCalibrator>(
         smallOptions(), SelfCalibrator::Mode::kThreaded, locked.callbacks());
-    for (int i = 0; i < 5 * round; ++i) {
+    for (int i = 0; i < 4 * round; ++i) {
       calibrator->process(images()[i]);
-      if (i % 2 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(3));
+      // Some that are behind, and at last some that nobody waits for.
+      if (i % 2 == 0 && i < 3 * round) locked.waitForFrames(static_cast<std::size_t>(i) / 4);
     }
     calibrator.reset();
-    const std::size_t frames = locked.record.frames.size();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
-    EXPECT_EQ(locked.record.frames.size(), frames);  // silence
+    locked.end();  // from now on a frame fails the test
+    EXPECT_LE(locked.record.frames.size(), static_cast<std::size_t>(4 * round));
   }
 }
 
@@ -144,18 +160,24 @@ TEST(Threaded, TakesCallsFromOtherThreads) {
   LockedRecord locked;
   SelfCalibrator calibrator(smallOptions(), SelfCalibrator::Mode::kThreaded, locked.callbacks());
   std::atomic<bool> stop{false};
+  std::atomic<int> reads{0};
   std::thread reader([&] {
     while (!stop) {
       const CalibrationReport report = calibrator.calibration();
       EXPECT_TRUE(report.camera.width() == 0 || report.camera.width() == 320);
       EXPECT_GE(calibrator.droppedImages(), 0);
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+      ++reads;
+      std::this_thread::yield();
     }
   });
   for (std::size_t i = 0; i < 30; ++i) {
+    const int before = reads;
     calibrator.process(images()[i]);
-    if (i == 15) calibrator.resetTracking();
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    if (i == 15) {
+      locked.waitForFrames(1);  // where nothing was tracked, there is nothing to reset
+      calibrator.resetTracking();
+    }
+    while (reads == before) std::this_thread::yield();  // one read at least beside each image
   }
   calibrator.flush();
   stop = true;
@@ -184,6 +206,7 @@ TEST(Threaded, BadImagesHarmNothing) {
 // The back end may lag behind by any number of keyframes: its solutions arrive late, and some
 // keyframes never reach it.
 TEST(Threaded, BearsABackEndThatLags) {
+  constexpr std::size_t kFrames = 300;
   const Camera truth = camera640(CameraModel::kFov, {300, 302, 318, 242, 0.95});
   SyntheticMotionOptions motion;
   motion.speed = 0.6;
@@ -194,21 +217,25 @@ TEST(Threaded, BearsABackEndThatLags) {
   LockedRecord locked;
   Callbacks callbacks = locked.callbacks();
   const auto calibration = callbacks.calibration;
-  callbacks.calibration = [calibration](const CalibrationReport& report) {
+  // Each report holds the back end up until so many images more have come.
+  constexpr std::size_t kLag = 20;
+  std::atomic<std::size_t> released{0};
+  callbacks.calibration = [&](const CalibrationReport& report) {
     calibration(report);
-    std::this_thread::sleep_for(std::chrono::milliseconds(15));
+    released += kLag;
+    locked.waitForFrames(std::min<std::size_t>(released, kFrames));
   };
   SelfCalibrator calibrator(smallOptions(), SelfCalibrator::Mode::kThreaded, callbacks);
-  for (int i = 0; i < 300; ++i) {
+  for (std::size_t i = 0; i < kFrames; ++i) {
     const TrackedFrame frame = tracks.track(static_cast<std::int64_t>(1e9 * i / 15.0));
     calibrator.processTracks(frame, [&tracks] { return tracks.detect(); });
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    locked.waitForFrames(i + 1);
   }
   calibrator.flush();
   const CalibrationReport report = calibrator.calibration();
   std::cout << locked.record.reports.size() << " of " << report.keyframes
             << " keyframes reached the back end: " << report.sentence << "\n";
-  EXPECT_EQ(locked.record.frames.size(), 300u);
+  EXPECT_EQ(locked.record.frames.size(), kFrames);
   EXPECT_EQ(locked.record.frames.back().state, TrackingState::kTracking);
   EXPECT_EQ(locked.record.count(EventType::kLost), 0);
   EXPECT_LT(locked.record.reports.size(), static_cast<std::size_t>(report.keyframes));

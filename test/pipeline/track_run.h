@@ -136,7 +136,7 @@ class TrackRun {
     options.pixel_sigma = run.pixel_sigma;
     options.outlier_share = run.outlier_share;
     options.start_stamp_ns = kStartNs;
-    options.row_time_s = run.readout_s / (truth.height() - 1);
+    options.line_delay_s = run.readout_s / (truth.height() - 1);
     return options;
   }
 

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "camera_self_calibration/plotting/contribution_chart.h"
 #include "camera_self_calibration/plotting/histogram.h"
 #include "camera_self_calibration/plotting/image_map.h"
-#include "camera_self_calibration/plotting/teaching_chart.h"
 #include "camera_self_calibration/plotting/trajectory_chart.h"
 
 namespace camera_self_calibration {
@@ -123,16 +123,16 @@ TEST(Teachings, ASegmentTeachesWhatOnlyItKnows) {
     candidate.information = IntrinsicsMatrix::Identity(4, 4);
     if (s == 1) candidate.information(2, 2) = 100.0;
   }
-  const std::vector<SegmentTeaching> taught = teachings(queue, camera, 10000000000LL);
-  ASSERT_EQ(taught.size(), 3u);
-  EXPECT_NEAR(taught[1].begin_s, 4.0, 1e-9);
-  EXPECT_NEAR(taught[1].end_s, 6.0, 1e-9);
-  EXPECT_NEAR(taught[0].values[0], std::sqrt(3.0 / 2.0) - 1.0, 1e-6);
-  EXPECT_NEAR(taught[1].values[2], std::sqrt(102.0 / 2.0) - 1.0, 1e-6);
-  EXPECT_GT(taught[1].image, taught[0].image);
-  EXPECT_FALSE(drawTeachings(taught, camera.parameterNames(), 20.0, 600).image().empty());
+  const std::vector<SegmentContribution> contributed = contributions(queue, camera, 10000000000LL);
+  ASSERT_EQ(contributed.size(), 3u);
+  EXPECT_NEAR(contributed[1].begin_s, 4.0, 1e-9);
+  EXPECT_NEAR(contributed[1].end_s, 6.0, 1e-9);
+  EXPECT_NEAR(contributed[0].values[0], std::sqrt(3.0 / 2.0) - 1.0, 1e-6);
+  EXPECT_NEAR(contributed[1].values[2], std::sqrt(102.0 / 2.0) - 1.0, 1e-6);
+  EXPECT_GT(contributed[1].image, contributed[0].image);
+  EXPECT_FALSE(drawContributions(contributed, camera.parameterNames(), 20.0, 600).image().empty());
   queue.resize(1);
-  EXPECT_TRUE(std::isinf(teachings(queue, camera, 0)[0].image));
+  EXPECT_TRUE(std::isinf(contributions(queue, camera, 0)[0].image));
 }
 
 }  // namespace

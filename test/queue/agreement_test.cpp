@@ -75,7 +75,7 @@ TEST(Agreement, ReferenceWithoutASegmentIsTheEstimateOfTheOthers) {
           << toString(lens.model()) << " " << i;
     }
     EXPECT_EQ(reference->scatter.freedom, others.scatter.freedom);
-    EXPECT_NEAR(reference->scatter.inflation(), others.scatter.inflation(), 0.2);
+    EXPECT_NEAR(reference->scatter.birgeRatio(), others.scatter.birgeRatio(), 0.2);
   }
 }
 
@@ -85,24 +85,24 @@ TEST(Agreement, WhatOverlapsIsNoMeasureOfScatter) {
   SegmentQueue torn = filledQueue(lens, 3, 100);
   const Candidate other = candidateOf(zoomed(lens, 1.08), lens, 1);
   ASSERT_TRUE(torn.offer(other, {lens}).accepted);
-  ASSERT_GT(torn.solution().scatter.inflation(), 3.0);
+  ASSERT_GT(torn.solution().scatter.birgeRatio(), 3.0);
   const Segment& segment = other.segment;
   const auto reference = referenceWithout(segment.beginNs(), segment.endNs(), torn);
   ASSERT_TRUE(reference);
-  EXPECT_LT(reference->scatter.inflation(), 1.7);
+  EXPECT_LT(reference->scatter.birgeRatio(), 1.7);
   const auto likelihood = likelihoodAt(reference->camera, segment, other.sigma_scale);
   ASSERT_TRUE(likelihood);
   EXPECT_LT(agreement({*likelihood}, *reference).p_value, 1e-6);
 }
 
 TEST(Agreement, ScatterByChanceIsNoVariance) {
-  EXPECT_EQ(Scatter().inflation(), 1.0);
-  EXPECT_EQ(Scatter().inflationFreedom(), 0);
+  EXPECT_EQ(Scatter().birgeRatio(), 1.0);
+  EXPECT_EQ(Scatter().birgeFreedom(), 0);
   const Scatter chance{18.0, 10}, more{90.0, 10};  // 18.3: one in twenty
-  EXPECT_NEAR(chance.inflation(), std::sqrt(1.8), 1e-12);
-  EXPECT_EQ(chance.inflationFreedom(), 0);
-  EXPECT_NEAR(more.inflation(), 3.0, 1e-12);
-  EXPECT_EQ(more.inflationFreedom(), 10);
+  EXPECT_NEAR(chance.birgeRatio(), std::sqrt(1.8), 1e-12);
+  EXPECT_EQ(chance.birgeFreedom(), 0);
+  EXPECT_NEAR(more.birgeRatio(), 3.0, 1e-12);
+  EXPECT_EQ(more.birgeFreedom(), 10);
 }
 
 // A direction that the segment does not determine says nothing, however far its estimate is.

@@ -42,6 +42,7 @@ TEST(CrossValidation, NeedsTwoHalves) {
   const CrossValidation one = crossValidate(solutionOf({0.0}), {});
   EXPECT_FALSE(one.compared);
   EXPECT_EQ(one.inflation(), 1.0);
+  EXPECT_TRUE(std::isinf(one.blindBelowPx()));
   EXPECT_EQ(one.sentence(), "");
 }
 

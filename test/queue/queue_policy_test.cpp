@@ -42,8 +42,9 @@ class Queue {
  public:
   Queue(int capacity, double alpha, ScoreKind kind = ScoreKind::kEntropy)
       : policy_(capacity, alpha, kind) {}
-  QueueDecision consider(const SegmentScore& candidate, const Camera& camera) const {
-    return policy_.consider(candidate, segments_, camera);
+  QueueDecision consider(const SegmentScore& candidate, const Camera& camera,
+                         bool filling = false) const {
+    return policy_.consider(candidate, segments_, camera, filling);
   }
   QueueDecision offer(const SegmentScore& candidate, const Camera& camera) {
     const QueueDecision decision = consider(candidate, camera);
@@ -142,6 +143,14 @@ TEST(QueuePolicy, ACandidateThatOverlapsSeveralMustBeatThemTogether) {
   EXPECT_EQ(sequences(queue), (Ids{3, 4}));
 }
 
+TEST(QueuePolicy, NoSegmentReplacesAllOfSeveral) {
+  Queue queue(3, kAlpha);
+  queue.offer(score(1, 0, 10, 1.0), kCamera);
+  queue.offer(score(2, 20, 30, 1.0), kCamera);
+  EXPECT_FALSE(queue.consider(score(3, 5, 25, 0.01), kCamera).accepted);
+  EXPECT_TRUE(queue.consider(score(3, 5, 15, 0.01), kCamera).accepted);
+}
+
 TEST(QueuePolicy, RefusesIllPosedCandidates) {
   Queue queue(3, kAlpha);
   SegmentScore bad = withEntropy(1, 0, 10, -100.0);
@@ -202,9 +211,24 @@ TEST(QueuePolicy, ByPixelErrorSeveralCountTogether) {
   };
   queue.offer(scored(1, 0, 10, 1.0), kCamera);
   queue.offer(scored(2, 20, 30, 1.0), kCamera);
+  queue.offer(scored(4, 40, 50, 1.0), kCamera);
   const double joint = 1.0 / std::sqrt(2.0);
   EXPECT_FALSE(queue.consider(scored(3, 5, 25, 1.01 * kAlpha * joint), kCamera).accepted);
   EXPECT_TRUE(queue.consider(scored(3, 5, 25, 0.99 * kAlpha * joint), kCamera).accepted);
+}
+
+// What would be left unused is half as long as the candidate, and could have told half as much.
+TEST(QueuePolicy, WhileItFillsTimeLeftUnusedIsLost) {
+  const double lost = 4.0 * 0.5 * std::log(1.5);
+  const auto isTaken = [](int capacity, double entropy) {
+    Queue queue(capacity, kAlpha);
+    queue.offer(withEntropy(1, 0, 10, 5.0), kCamera);
+    return queue.consider(withEntropy(2, 5, 15, entropy), kCamera, true).accepted;
+  };
+  EXPECT_TRUE(isTaken(1, 5.0 - kMargin - 0.01));
+  EXPECT_FALSE(isTaken(2, 5.0 - kMargin - 0.01));
+  EXPECT_FALSE(isTaken(2, 5.0 - lost + 0.01));
+  EXPECT_TRUE(isTaken(2, 5.0 - lost - 0.01));
 }
 
 TEST(QueuePolicy, ScoresHaveNames) {

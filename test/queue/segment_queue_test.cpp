@@ -101,17 +101,17 @@ TEST(SegmentQueue, RefusesWithTheReasonAndStaysAsItIs) {
   EXPECT_EQ(sequences(queue), Ids{0});
 }
 
-// What is known of the row time makes the covariance larger along the way that it moves the
+// What is known of the line delay makes the covariance larger along the way that it moves the
 // intrinsics, and nothing else.
-TEST(SegmentQueue, ARowTimeInDoubtAddsUncertainty) {
+TEST(SegmentQueue, ALineDelayInDoubtAddsUncertainty) {
   const Camera truth = ordinaryCameras()[1];
   const std::vector<Candidate> candidates = candidatesOf(truth, 3);
   SegmentQueue exact(QueuePolicy(3, 0.95), 1), vague = exact;
   exact.offer(candidates, {truth});
   QueueStart start{truth};
-  start.row_time.usable = true;
-  start.row_time.slope = Intrinsics::Constant(truth.estimatedCount(), 2.0);
-  start.row_time_doubt_s = 0.5;
+  start.line_delay.usable = true;
+  start.line_delay.slope = Intrinsics::Constant(truth.estimatedCount(), 2.0);
+  start.line_delay_doubt_s = 0.5;
   vague.offer(candidates, start);
   const IntrinsicsMatrix added = vague.solution().covariance - exact.solution().covariance;
   EXPECT_LT((added.array() - 1.0).abs().maxCoeff(), 1e-9);
@@ -142,10 +142,10 @@ TEST(SegmentQueue, JoinsWhatSegmentsTell) {
     ASSERT_EQ(queue.offer(candidates, {perturbedCamera(truth, 1, 0.3)}), 4);
     const QueueSolution& solution = queue.solution();
     ASSERT_TRUE(solution.usable);
-    EXPECT_LT(solution.scatter.inflation(), 1.7);
+    EXPECT_LT(solution.scatter.birgeRatio(), 1.7);
     // Nearly the sum of the marginals at the segments' own optima.
     const IntrinsicsMatrix raw =
-        solution.information * solution.scatter.inflation() * solution.scatter.inflation();
+        solution.information * solution.scatter.birgeRatio() * solution.scatter.birgeRatio();
     for (int i = 0; i < truth.estimatedCount(); ++i) EXPECT_NEAR(raw(i, i) / sum(i, i), 1.0, 0.3);
     // Chi-square with n_c degrees, 1 in 10000.
     EXPECT_LT(mahalanobis(solution.camera, truth, solution.information), 35.0);
@@ -158,7 +158,7 @@ TEST(SegmentQueue, OfOneSegmentIsThatSegments) {
   SegmentQueue queue = roomyQueue();
   ASSERT_TRUE(queue.offer(candidate, {candidate.camera}).accepted);
   ASSERT_TRUE(queue.solution().usable);
-  EXPECT_EQ(queue.solution().scatter.inflation(), 1.0);
+  EXPECT_EQ(queue.solution().scatter.birgeRatio(), 1.0);
   EXPECT_LT(mahalanobis(queue.solution().camera, candidate.camera, candidate.information), 0.01);
 }
 
@@ -172,8 +172,8 @@ TEST(SegmentQueue, InflatesWhenSegmentsDisagree) {
     candidates[i] = candidateOf(zoomed(truth, 1.03), perturbedCamera(truth, i), i);
   }
   torn.offer(candidates, {truth});
-  EXPECT_LT(agreeing.solution().scatter.inflation(), 1.7);
-  EXPECT_GT(torn.solution().scatter.inflation(), 3.0);
+  EXPECT_LT(agreeing.solution().scatter.birgeRatio(), 1.7);
+  EXPECT_GT(torn.solution().scatter.birgeRatio(), 3.0);
   EXPECT_LT(torn.solution().information(0, 0), 0.3 * agreeing.solution().information(0, 0));
 }
 
@@ -189,7 +189,7 @@ TEST(SegmentQueue, SegmentsOfRotationAgree) {
     queue.exchange({}, {}, {truth});
     const QueueSolution& solution = queue.solution();
     ASSERT_TRUE(solution.usable);
-    EXPECT_LT(solution.scatter.inflation(), 2.0) << toString(truth.model());
+    EXPECT_LT(solution.scatter.birgeRatio(), 2.0) << toString(truth.model());
     EXPECT_LT(mahalanobis(solution.camera, truth, solution.information), 35.0);
     for (const Candidate& candidate : queue.candidates()) {
       Candidate copy = candidate;
@@ -212,7 +212,7 @@ TEST(SegmentQueue, IsTheSameForAnyNumberOfThreads) {
   for (int i = 1; i < 3; ++i) {
     EXPECT_EQ(solutions[0].camera.parameters(), solutions[i].camera.parameters());
     EXPECT_EQ(solutions[0].information, solutions[i].information);
-    EXPECT_EQ(solutions[0].scatter.inflation(), solutions[i].scatter.inflation());
+    EXPECT_EQ(solutions[0].scatter.birgeRatio(), solutions[i].scatter.birgeRatio());
   }
 }
 

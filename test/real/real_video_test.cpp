@@ -1,7 +1,5 @@
 // Real and rendered video of known calibration: how far the estimate is from the truth, and whether
-// what is said of it is true. The bags are sought in the folder that the environment variable
-// SELFCAL_VIDEOS names, else in ../shared/data beside the repository; without them there is no
-// test.
+// what is said of it is true. The bags are sought in videoFolder(); without them there is no test.
 
 #include <gtest/gtest.h>
 
@@ -10,8 +8,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <thread>
@@ -21,6 +17,7 @@
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/tools/image_source.h"
+#include "real/video_folder.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -172,11 +169,6 @@ std::vector<Audited> auditsOf(const Sequence& sequence) {
                     Camera(CameraModel::kRadtan, 752, 480, truth.parameters()), kWrongOnly,
                     LikelyCause::kModel});
   return audits;
-}
-
-std::filesystem::path videoFolder() {
-  const char* const named = std::getenv("SELFCAL_VIDEOS");
-  return named != nullptr ? named : SELFCAL_VIDEO_FOLDER;
 }
 
 struct Outcome {

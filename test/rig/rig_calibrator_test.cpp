@@ -42,9 +42,9 @@ SimulatedRigOptions backToBack() {
 }
 
 RigEstimate calibrated(const SimulatedRig& rig, const RigOptions& options = {}) {
-  RigCalibrator calibrator(options, nearly(rig.truth.cameras), rig.across);
+  RigCalibrator calibrator(options, rig.truth.size(), rig.across);
   for (const RigFrame& frame : rig.frames) calibrator.add(frame);
-  return calibrator.estimate();
+  return calibrator.estimate(nearly(rig.truth.cameras));
 }
 
 void expectRotation(const RigEstimate& estimate, const SimulatedRig& rig, int camera,
@@ -120,9 +120,9 @@ TEST(RigCalibrator, HeldIntrinsicsStay) {
   const SimulatedRig rig = simulateRig(stereo());
   RigOptions options;
   options.solve.hold_intrinsics = {true, true};
-  RigCalibrator calibrator(options, rig.truth.cameras, rig.across);
+  RigCalibrator calibrator(options, rig.truth.size(), rig.across);
   for (const RigFrame& frame : rig.frames) calibrator.add(frame);
-  const RigEstimate estimate = calibrator.estimate();
+  const RigEstimate estimate = calibrator.estimate(rig.truth.cameras);
   ASSERT_TRUE(estimate.usable) << estimate.sentence;
   for (int c = 0; c < 2; ++c) {
     EXPECT_EQ(estimate.rig.cameras[c].parameters(), rig.truth.cameras[c].parameters());
@@ -159,7 +159,7 @@ TEST(RigCalibrator, KeepsTheStretchesThatTurn) {
   RigOptions options;
   options.segment_frames = 10;
   options.max_frames = 20;
-  RigCalibrator calibrator(options, {lens(400.0, 0.0), lens(400.0, 0.0)}, nullptr);
+  RigCalibrator calibrator(options, 2, nullptr);
   for (int f = 0; f < 1000; ++f) {
     RigFrame frame;
     frame.stamp_ns = f;
@@ -198,8 +198,8 @@ TEST(RigCalibrator, MapsOfDifferentScaleAgree) {
 }
 
 TEST(RigCalibrator, NothingWithoutFrames) {
-  RigCalibrator calibrator({}, {lens(400.0, 0.0), lens(400.0, 0.0)}, nullptr);
-  const RigEstimate estimate = calibrator.estimate();
+  RigCalibrator calibrator({}, 2, nullptr);
+  const RigEstimate estimate = calibrator.estimate({lens(400.0, 0.0), lens(400.0, 0.0)});
   EXPECT_FALSE(estimate.usable);
   EXPECT_FALSE(estimate.sentence.empty());
 }

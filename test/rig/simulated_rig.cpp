@@ -23,10 +23,24 @@ Rigid3 inOwnMap(const Rigid3& world_from_camera, int camera, const SimulatedRigO
   return pose;
 }
 
-Trajectory ofCamera(const Trajectory& rig, const Rigid3& rig_from_camera) {
-  return Trajectory([rig, rig_from_camera](
-                        double time_s) { return rig.worldFromCamera(time_s) * rig_from_camera; },
-                    rig.duration());
+Trajectory ofCamera(const Trajectory& rig, int camera, const SimulatedRigOptions& options) {
+  const Rigid3 before = options.rig.rig_from_camera[camera];
+  const Rigid3 after = camera == options.changed ? before * options.bump : before;
+  const double change_s = options.change_at_s;
+  return Trajectory(
+      [rig, before, after, change_s](double time_s) {
+        return rig.worldFromCamera(time_s) * (time_s < change_s ? before : after);
+      },
+      rig.duration());
+}
+
+Lens lensOf(int camera, const SimulatedRigOptions& options) {
+  Lens lens{options.rig.cameras[camera], std::nullopt, 1.0};
+  if (camera == options.changed) {
+    lens.zoom_at_s = options.change_at_s;
+    lens.zoom = options.zoom;
+  }
+  return lens;
 }
 
 FeatureTracksOptions tracksOf(const SimulatedRigOptions& options, int camera) {
@@ -39,6 +53,15 @@ FeatureTracksOptions tracksOf(const SimulatedRigOptions& options, int camera) {
 }
 
 }  // namespace
+
+// The rig's frame is that of its first camera, moved or not.
+Rig afterBump(const SimulatedRigOptions& options) {
+  Rig rig = options.rig;
+  rig.rig_from_camera[options.changed] = rig.rig_from_camera[options.changed] * options.bump;
+  const Rigid3 first = rig.rig_from_camera.front();
+  for (Rigid3& pose : rig.rig_from_camera) pose = first.inverse() * pose;
+  return rig;
+}
 
 SimulatedRig simulateRig(const SimulatedRigOptions& options) {
   SimulatedRig result;
@@ -53,8 +76,8 @@ SimulatedRig simulateRig(const SimulatedRigOptions& options) {
   const Trajectory way = syntheticMotion(motion);
   auto tracks = std::make_shared<std::vector<FeatureTracks>>();
   for (int c = 0; c < options.rig.size(); ++c) {
-    tracks->emplace_back(world, Lens{options.rig.cameras[c], std::nullopt, 1.0},
-                         ofCamera(way, options.rig.rig_from_camera[c]), tracksOf(options, c));
+    tracks->emplace_back(world, lensOf(c, options), ofCamera(way, c, options),
+                         tracksOf(options, c));
   }
   Random random(mixSeed(options.seed, 4));
   // Points outlive the tracks that show them.

@@ -21,6 +21,12 @@ struct SimulatedRigOptions {
   double position_sigma_m = 0.003;
   double rotation_sigma_rad = 0.002;
   int max_features = 60;
+  /// From this time on the camera `changed` is another: moved in its own frame by `bump`, and its
+  /// focal lengths multiplied by `zoom`.
+  double change_at_s = 1e9;
+  int changed = 1;
+  Rigid3 bump;
+  double zoom = 1.0;
 };
 
 /// A rig that moves through a furnished room: tracks of each camera, poses in a map of its own, and
@@ -30,6 +36,9 @@ struct SimulatedRig {
   std::vector<RigFrame> frames;
   FindAcross across;  ///< Noisy; what is hidden or out of the image is not found.
 };
+
+/// The rig at a time since the change: `rig_from_camera * bump`, whichever camera it is.
+Rig afterBump(const SimulatedRigOptions& options);
 
 SimulatedRig simulateRig(const SimulatedRigOptions& options);
 

@@ -149,6 +149,12 @@ TEST_F(CalibrationStoreTest, AFileThatIsNoTextIsRefused) {
   EXPECT_EQ(readFile(options_.calibration_file).bytes, binary);
 }
 
+TEST_F(CalibrationStoreTest, AFileOnWhichYamlCppOfDebian11DoesNotEndIsRefused) {
+  const std::string endless = "camera_matrix:\n  rows: 1\n  data: [1, 2, :]\n";
+  ASSERT_EQ(writeFileAtomically(options_.calibration_file, endless), "");
+  EXPECT_EQ(load(options_).problems.size(), 1u);
+}
+
 TEST_F(CalibrationStoreTest, WhatWasLearntOfAnotherLensIsKept) {
   CalibrationStore store(options_);
   ASSERT_TRUE(store.save(smallState(kFov, 0), info()).success);

@@ -120,5 +120,23 @@ TEST(Messages, QueueAndEvent) {
   EXPECT_EQ(message.p_value, 1e-9);
 }
 
+TEST(Messages, AMountThatChanged) {
+  Event event;
+  event.type = EventType::kMountChanged;
+  event.stamp_ns = 14'000'000'000;
+  event.onset_stamp_ns = 12'300'000'000;
+  event.epoch = 1;
+  event.p_value = 1e-12;
+  event.rotation = 0.52 * M_PI / 180.0;
+  event.rotation_sigma = 0.04 * M_PI / 180.0;
+  const CalibrationEvent message = toCalibrationEvent(event, event.epoch);
+  EXPECT_EQ(message.type, CalibrationEvent::MOUNT_CHANGED);
+  EXPECT_EQ(message.onset_stamp, ros::Time(12, 300000000));
+  EXPECT_NEAR(message.rotation_deg, 0.52, 1e-12);
+  EXPECT_NEAR(message.rotation_sigma_deg, 0.04, 1e-12);
+  EXPECT_EQ(message.p_value, 1e-12);
+  EXPECT_EQ(message.magnitude_px, 0.0);
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

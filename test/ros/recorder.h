@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "sanitized.h"
+
 namespace camera_self_calibration {
 
 /// All messages of a topic.
@@ -28,9 +30,11 @@ class Recorder {
   ros::Subscriber subscriber_;
 };
 
-/// Works off callbacks until the condition holds; false if that takes longer than the limit.
+/// Works off callbacks until the condition holds; false if that takes longer than the limit (ten
+/// times as long under a sanitizer).
 inline bool spinUntil(const std::function<bool()>& condition, double limit_s) {
-  const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(limit_s);
+  const double patience_s = kSanitized ? 10.0 * limit_s : limit_s;
+  const ros::WallTime limit = ros::WallTime::now() + ros::WallDuration(patience_s);
   while (ros::ok() && !condition()) {
     if (ros::WallTime::now() > limit) return false;
     ros::spinOnce();

@@ -196,7 +196,7 @@ TEST(FeatureTracks, ZoomAndRollingShutterMovePixels) {
   FeatureTracks zoomed = makeTracks(options, {fovCamera(), 2.0, 1.1});
   EXPECT_NEAR(zoomed.cameraAt(1999999999).parameters()[0], 311.2, 1e-9);
   EXPECT_NEAR(zoomed.cameraAt(2000000000).parameters()[0], 342.32, 1e-9);
-  options.row_time_s = 6e-5;
+  options.line_delay_s = 6e-5;
   FeatureTracks rolling = makeTracks(options);
   plain.track(2 * kFrame);
   double moved_by_zoom = 0.0;
@@ -207,7 +207,7 @@ TEST(FeatureTracks, ZoomAndRollingShutterMovePixels) {
     if (a && b) moved_by_zoom = std::max(moved_by_zoom, (*b - *a).norm());
     const auto c = rolling.project(point, 2.1);
     if (!c) continue;
-    const auto row_late = plain.project(point, 2.1 + c->y() * options.row_time_s);
+    const auto row_late = plain.project(point, 2.1 + c->y() * options.line_delay_s);
     ASSERT_TRUE(row_late);
     EXPECT_LT((*row_late - *c).norm(), 1e-3);
   }

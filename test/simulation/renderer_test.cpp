@@ -139,14 +139,14 @@ TEST(Renderer, ThreadsDoNotChangeTheImage) {
 
 TEST(Renderer, RollingShutterShowsEachRowAtItsTime) {
   RendererOptions options = noiseless();
-  options.row_time_s = 6e-5;
+  options.line_delay_s = 6e-5;
   const Renderer rolling(paintedRoom(), testCameras()[1], options);
   const Renderer global(paintedRoom(), testCameras()[1], noiseless());
   const cv::Mat image = rolling.render(handheld(), 3.0, 1);
   EXPECT_GT(cv::norm(image.row(470), global.render(handheld(), 3.0, 1).row(470), cv::NORM_L1),
             640.0);
   for (const int row : {0, 100, 237, 479}) {
-    const cv::Mat expected = global.render(handheld(), 3.0 + row * options.row_time_s, 1);
+    const cv::Mat expected = global.render(handheld(), 3.0 + row * options.line_delay_s, 1);
     EXPECT_LE(cv::norm(image.row(row), expected.row(row), cv::NORM_INF), 1.0) << "row " << row;
   }
 }

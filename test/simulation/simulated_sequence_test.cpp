@@ -54,6 +54,49 @@ TEST(SimulatedSequence, ViewKeepsThePixelsAlive) {
   for (int x = 0; x < 160; ++x) EXPECT_EQ(view.data[60 * view.stride + x], copy.at<uchar>(60, x));
 }
 
+// White light that the gain multiplies, all over the image.
+TEST(SimulatedSequence, AutomaticExposureFollowsTheBrightnessWithALag) {
+  SequenceOptions options = small();
+  options.auto_exposure = true;
+  options.duration_s = 5.0;
+  options.renderer.sensor.gain = 0.3;  // as if at dusk
+  const SimulatedSequence sequence(options);
+  const auto brightness = [&](int index) { return cv::mean(sequence.frame(index).image)[0]; };
+  const double first = brightness(0);
+  EXPECT_LT(first, 70.0);
+  EXPECT_GT(brightness(1), 1.05 * first);
+  EXPECT_LT(brightness(1), 1.5 * first);
+  for (const int index : {40, 70, 100}) EXPECT_NEAR(brightness(index), 140.0, 25.0);
+  cv::Mat saturated = sequence.frame(70).image == 255;
+  EXPECT_GT(cv::countNonZero(saturated), 0);
+}
+
+TEST(SimulatedSequence, WithAutomaticExposureFramesMayBeAskedForInAnyOrder) {
+  SequenceOptions options = small();
+  options.auto_exposure = true;
+  const SimulatedSequence a(options);
+  const SimulatedSequence b(options);
+  const cv::Mat late = a.frame(9).image;
+  const cv::Mat early = a.frame(4).image;
+  for (int i = 0; i < 4; ++i) b.frame(i);
+  EXPECT_EQ(difference(b.frame(4).image, early), 0.0);
+  EXPECT_EQ(difference(b.frame(9).image, late), 0.0);
+}
+
+TEST(SimulatedSequence, TextIsWrittenOverTheImagesBorderOnly) {
+  SequenceOptions options = small();
+  const cv::Mat plain = SimulatedSequence(options).frame(7).image;
+  options.text_overlay = true;
+  const SimulatedSequence sequence(options);
+  const cv::Mat written = sequence.frame(7).image != plain;
+  const int rows = written.rows / 10;
+  EXPECT_GT(cv::countNonZero(written.rowRange(0, rows)), 100);
+  EXPECT_GT(cv::countNonZero(written.rowRange(written.rows - rows, written.rows)), 50);
+  EXPECT_EQ(cv::countNonZero(written.rowRange(rows, written.rows - rows)), 0);
+  cv::Mat white = sequence.frame(7).image > 240;
+  EXPECT_GT(cv::countNonZero(white & written), 20);
+}
+
 TEST(SimulatedSequence, FramesDependOnTheOptionsOnly) {
   const SimulatedSequence a(small());
   const SimulatedSequence b(small());

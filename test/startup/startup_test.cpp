@@ -78,6 +78,22 @@ TEST(Startup, ReachesTheTruthFromTheDefaultGuess) {
   }
 }
 
+// By themselves, or not at all: as on what the camera carries.
+TEST(Startup, ReachesTheTruthWhereAFifthOfTheTracksIsNotOfTheScene) {
+  for (const bool carried : {false, true}) {
+    int right = 0;
+    constexpr int kTrials = kSanitized ? 2 : 8;
+    for (std::uint64_t seed = 0; seed < kTrials; ++seed) {
+      const Camera truth = ordinaryCameras()[seed % 4];
+      SimulatedSegment made = longSegment(truth, MotionKind::kHandheld, seed);
+      letMove(5, carried, &made.segment);
+      right += isRight(grown(made), truth);
+    }
+    std::cout << (carried ? "carried: " : "moving: ") << right << " of " << kTrials << " right\n";
+    EXPECT_GE(right, kTrials - 2);
+  }
+}
+
 TEST(Startup, SolvesPosesAndDepthsToo) {
   const Camera truth = ordinaryCameras()[1];
   const SimulatedSegment made = longSegment(truth, MotionKind::kHandheld, 3);
@@ -285,6 +301,61 @@ TEST(Startup, AnEarlierLensLendsWhatWasKnownOfIt) {
     EXPECT_EQ(startup.segment().earlier_keyframes, 6) << seed;
   }
   EXPECT_LT(trusting_right, 3);
+}
+
+// As from a map that follows: later, and no track in common.
+Segment following(const Segment& before, Segment segment) {
+  const Keyframe& last = before.keyframes.back();
+  for (Keyframe& keyframe : segment.keyframes) {
+    keyframe.id += last.id + 1;
+    keyframe.stamp_ns += last.stamp_ns + 1;
+  }
+  for (Landmark& landmark : segment.landmarks) landmark.track_id += 100000;
+  segment.sequence = segment.keyframes.back().id;
+  return segment;
+}
+
+TEST(Startup, AnEndedBatchIsTakenOnce) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment made = longSegment(truth, MotionKind::kHandheld, 3);
+  Startup startup = grown(made);
+  ASSERT_TRUE(startup.isInformative());
+  EXPECT_FALSE(startup.takeFinished());  // it goes on
+  const double rms = startup.wholeImageUncertainty().rms;
+  const SimulatedSegment next = longSegment(truth, MotionKind::kHandheld, 4, 4);
+  startup.add(following(made.segment, forgotten(next.segment, startup.camera())));
+  const std::optional<Startup::Solution> finished = startup.takeFinished();
+  ASSERT_TRUE(finished);
+  EXPECT_LE(finished->rms, rms);
+  EXPECT_EQ(finished->segment.keyframes.front().id, made.segment.keyframes.front().id);
+  EXPECT_LT(pixelDistance(finished->camera, truth).rms, 4.0 * finished->rms);
+  EXPECT_FALSE(startup.takeFinished());
+}
+
+// Forward motion is all that the newest keyframes show, and a batch this short holds no others.
+TEST(Startup, WhatABatchForgetsIsTaken) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment turning = longSegment(truth, MotionKind::kHandheld, 3, 10);
+  const Camera guess = Camera::defaultGuess(truth.model(), 640, 480);
+  StartupOptions options;
+  options.max_keyframes = 8;
+  Startup startup(options, guess);
+  const Segment history = forgotten(turning.segment, guess);
+  std::vector<int> index;
+  for (int k = 2; k <= 10; ++k) startup.add(prefixOf(history, k, 1, &index));
+  ASSERT_TRUE(startup.isInformative());
+  const double rms = startup.wholeImageUncertainty().rms;
+  // Tracks of the batch's newest keyframe alone connect it to what follows.
+  const SimulatedSegment ahead = longSegment(truth, MotionKind::kForwardOnly, 4, 10);
+  std::optional<Startup::Solution> finished;
+  const Segment after = following(history, forgotten(ahead.segment, guess));
+  for (int k = 4; k <= 10 && !finished; ++k) {
+    startup.add(prefixOf(after, k, 1, &index));
+    finished = startup.takeFinished();
+  }
+  ASSERT_TRUE(finished);
+  EXPECT_LE(finished->rms, rms);
+  EXPECT_FALSE(startup.isInformative());
 }
 
 TEST(Startup, ResetForgets) {

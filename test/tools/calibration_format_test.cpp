@@ -90,6 +90,12 @@ TEST(CalibrationFormat, K3OfZeroIsNoReasonToFit) {
 
 TEST(RosFormat, ATextOnWhichYamlCppDoesNotEndIsRefused) {
   EXPECT_THROW(parseCalibration(",\x12\x12", CalibrationFormat::kRos), std::runtime_error);
+  // In Debian 11, in the list that a calibration ends with too.
+  const std::string good = calibrationText(kRadtan, CalibrationFormat::kRos);
+  for (const char* end : {" :]\n", ":\n]\n", " 0:\n"}) {
+    const std::string bad = good.substr(0, good.rfind(',') + 1) + end;
+    EXPECT_TRUE(says(failureOf(bad, CalibrationFormat::kRos), "ends in a colon")) << bad;
+  }
 }
 
 TEST(RosFormat, SaysWhatIsWrong) {

@@ -15,26 +15,6 @@ Camera camera(CameraModel model, const Intrinsics& parameters) {
 const Camera kPinhole =
     camera(CameraModel::kPinhole, (Intrinsics(4) << 320.0, 320.0, 319.5, 239.5).finished());
 
-TEST(FieldOfView, OfAPinholeIsThatOfItsFocalLength) {
-  const FieldOfView field = fieldOfView(kPinhole);
-  const double degrees = 360.0 / M_PI;
-  EXPECT_NEAR(field.horizontal, degrees * std::atan(319.5 / 320.0), 1e-9);
-  EXPECT_NEAR(field.vertical, degrees * std::atan(239.5 / 320.0), 1e-9);
-  EXPECT_NEAR(field.diagonal, degrees * std::atan(std::hypot(319.5, 239.5) / 320.0), 1e-9);
-}
-
-TEST(FieldOfView, MayBeWiderThanAHalfSpace) {
-  const Camera fisheye = camera(CameraModel::kEquidistant,
-                                (Intrinsics(8) << 180, 180, 319.5, 239.5, 0, 0, 0, 0).finished());
-  EXPECT_NEAR(fieldOfView(fisheye).horizontal, 360.0 / M_PI * 319.5 / 180.0, 1e-6);
-}
-
-TEST(FieldOfView, IsUnknownWhereTheBorderHasNoRay) {
-  const Camera folded =
-      camera(CameraModel::kRadtan, (Intrinsics(8) << 300, 300, 320, 240, -0.5, 0, 0, 0).finished());
-  EXPECT_TRUE(std::isnan(fieldOfView(folded).diagonal));
-}
-
 TEST(Undistorted, APinholeImageStaysAsItIs) {
   cv::Mat gray(480, 640, CV_8UC1);
   cv::randu(gray, 0, 255);

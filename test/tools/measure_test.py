@@ -3,8 +3,11 @@
 import importlib.machinery
 import importlib.util
 import pathlib
+import subprocess
 import sys
+import tempfile
 import unittest
+import unittest.mock
 
 SCRIPTS = pathlib.Path(sys.argv.pop(1))
 sys.path.insert(0, str(SCRIPTS))
@@ -45,6 +48,26 @@ class Measure(unittest.TestCase):
             for line in page.read_text().splitlines():
                 if line.startswith("<!-- measured: "):
                     self.assertIn(line.split()[2], names, page)
+
+    def test_commands_below_tables_can_be_typed(self):
+        for table in measure_tables.TABLES:
+            self.assertIn(table.programs[0], table.command)
+            self.assertEqual(subprocess.run(["bash", "-nc", table.command]).returncode, 0)
+            self.assertNotIn("{}", table.command)
+        self.assertEqual(measure_tables.shell_command("a {} b", (0, 0.5)),
+                         "for v in 0 0.5; do a $v b; done")
+
+    def test_refuses_a_commit_on_no_branch(self):
+        with tempfile.TemporaryDirectory() as folder, unittest.mock.patch.object(measure, "ROOT", folder):
+            git = ["-c", "user.name=n", "-c", "user.email=e"]
+            measure.git("init", "--quiet", "-b", "main")
+            measure.git(*git, "commit", "--quiet", "--allow-empty", "-m", "one")
+            self.assertEqual(measure.commit(), measure.git("rev-parse", "--short", "HEAD"))
+            measure.git("checkout", "--quiet", "--detach")
+            measure.git(*git, "commit", "--quiet", "--allow-empty", "-m", "two")
+            with self.assertRaises(SystemExit) as refused:
+                measure.commit()
+            self.assertIn("on no branch", str(refused.exception))
 
     def test_takes_the_last_table_that_a_program_prints(self):
         text = "| trial |\n|---|\n| 1 |\n\n| summary |\n|---|\n| 2 |\ndone\n"

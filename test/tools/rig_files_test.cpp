@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/tools/calibration_format.h"
+#include "camera_self_calibration/tools/rig_results.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -106,6 +107,24 @@ TEST(RigCamchain, ReadsBack) {
     EXPECT_NEAR(motion[r][0].as<double>(), expected.rotation.toRotationMatrix()(r, 0), 1e-15);
   }
   EXPECT_LT(chain["cam1"]["T_cn_cnm1"][0][3].as<double>(), -0.1);
+}
+
+TEST(RigResults, ACameraThatWasMovedIsTold) {
+  RigRecording recording;
+  recording.topics = {"/left", "/right"};
+  recording.estimate.sentence = "Not yet.";
+  MountChange change;
+  change.onset_ns = 12'300'000'000;
+  change.rotation = {0.0, 0.0, 0.01};
+  change.rotation_covariance = 1e-6 * Eigen::Matrix3d::Identity();
+  change.sentence = "Camera 1 was turned by 0.57 +- 0.06 degrees against camera 0 at 12.3 s.";
+  recording.mount_changes = {change};
+  EXPECT_NE(rigText(recording).find("MOUNT_CHANGED: " + change.sentence), std::string::npos);
+  const Json found = rigJson(recording)["mount_changes"][0];
+  EXPECT_EQ(found["type"], "MOUNT_CHANGED");
+  EXPECT_EQ(found["topic"], "/right");
+  EXPECT_NEAR(found["onset_stamp"].get<double>(), 12.3, 1e-9);
+  EXPECT_TRUE(found["shift"].is_null());
 }
 
 }  // namespace

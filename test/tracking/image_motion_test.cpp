@@ -10,7 +10,7 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kRowTime = 30e-6;
+constexpr double kLineDelay = 30e-6;
 constexpr double kMiddle = 239.5;
 constexpr double kPeriod = 1.0 / 30.0;
 
@@ -23,7 +23,7 @@ Eigen::Vector2d path(double t) {
 // As rows that are read one after the other see it; the middle one at `t`.
 Eigen::Vector2d seen(double t) {
   Eigen::Vector2d pixel = path(t);
-  for (int i = 0; i < 20; ++i) pixel = path(t + (pixel.y() - kMiddle) * kRowTime);
+  for (int i = 0; i < 20; ++i) pixel = path(t + (pixel.y() - kMiddle) * kLineDelay);
   return pixel;
 }
 
@@ -40,7 +40,7 @@ TrackedFrame frame(int index) {
 double errorAt(const MotionHistory& history, int index, int images_ago) {
   const ImageMotion motion = history.motions(images_ago).at(7);
   const double t = kPeriod * index;
-  return (asSeenAtOnce(seen(t), motion, kMiddle, kRowTime) - path(t)).norm();
+  return (asSeenAtOnce(seen(t), motion, kMiddle, kLineDelay) - path(t)).norm();
 }
 
 TEST(ImageMotion, FreesAPixelOfTheRollingShutter) {
@@ -73,14 +73,14 @@ TEST(ImageMotion, InTimeItIsThatOfTheFeature) {
   MotionHistory history;
   for (int i = 0; i < 3; ++i) history.add(frame(i));
   const ImageMotion stamped = history.motions(1).at(7);
-  const ImageMotion in_time = motionInTime(seen(kPeriod), stamped, kMiddle, kRowTime);
+  const ImageMotion in_time = motionInTime(seen(kPeriod), stamped, kMiddle, kLineDelay);
   const Eigen::Vector2d acceleration(-2000.0, 3000.0);
   const Eigen::Vector2d velocity = Eigen::Vector2d(300.0, -250.0) + kPeriod * acceleration;
   EXPECT_LT((in_time.velocity - velocity).norm(), 1.5) << "the parabola is not exact";
   EXPECT_LT((in_time.acceleration - acceleration).norm(), 80.0);
   EXPECT_GT((stamped.velocity - velocity).norm(), 10.0) << "rows make it look different";
   const ImageMotion exact{velocity, acceleration};
-  EXPECT_LT((asSeenAtOnceInTime(seen(kPeriod), exact, kMiddle, kRowTime) - path(kPeriod)).norm(),
+  EXPECT_LT((asSeenAtOnceInTime(seen(kPeriod), exact, kMiddle, kLineDelay) - path(kPeriod)).norm(),
             1e-9);
 }
 

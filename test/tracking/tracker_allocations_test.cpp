@@ -66,8 +66,8 @@ TEST(Allocations, NoneByCornersAndRegistration) {
             0);
 }
 
-// What is left is OpenCV's: a few for the pyramid, a few for the threads. One of ours for each track
-// would show.
+// What is left is OpenCV's: a few for the pyramid, a few for the threads. One of ours for each
+// track would show.
 TEST(Allocations, OfAnImageDoNotGrowWithTheTracks) {
   const TestImage first = someImage(1), second = someImage(2);
   for (const int features : {30, 120}) {

@@ -11,6 +11,11 @@ double chiSquareExceedance(double value, double degrees_of_freedom);
 /// Probability that a variable of Fisher's F distribution exceeds `value`.
 double fExceedance(double value, double numerator_freedom, double denominator_freedom);
 
+/// Number of false alarms (Desolneux, Moisan & Morel 2000): how many of `tests` would find `found`
+/// or more of `candidates` by chance alone, where each of these is found by chance with probability
+/// `by_chance`, independently.
+double falseAlarms(double tests, int found, int candidates, double by_chance);
+
 /// Logarithm of the integral of `u^(a-1) e^(-b u)` over u from 0 to 1; a, b > 0.
 double logIncompleteGamma(double a, double b);
 

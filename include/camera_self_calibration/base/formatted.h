@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace camera_self_calibration {
@@ -16,6 +17,12 @@ std::string withFullStop(const std::string& text);
 /// punctuation already. Empty stays empty. What begins with a word that is written with other than
 /// small letters, such as a path, begins as it is.
 std::string asSentence(const std::string& text);
+
+/// Shortest text that reads back as the same number.
+std::string exactText(double value);
+
+/// A stamp in seconds with nine decimals, which is exact.
+std::string stampText(std::int64_t nanoseconds);
 
 /// "640 x 480".
 std::string sizeText(int width, int height);

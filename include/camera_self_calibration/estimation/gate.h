@@ -19,6 +19,11 @@ std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
 /// freedom; worst first. Indices into the segment's landmarks.
 std::vector<int> worstTracks(const SegmentBlock& block, const Camera& camera, int count);
 
+/// A residual is gross beyond so many sigmas, scaled to the residuals of the others, and so great a
+/// share of the image's width: the track does not belong to a rigid scene, or left its feature.
+inline constexpr double kGrossSigmas = 5.0;
+inline constexpr double kGrossShare = 1.5 / 640;
+
 /// Landmarks with a residual that is gross: beyond `sigmas` scaled sigmas and beyond `min_px`, or
 /// that cannot be predicted.
 std::vector<int> grossMisfits(const SegmentBlock& block, const Camera& camera, double sigmas,
@@ -47,5 +52,10 @@ GateResult gateSegment(const SegmentBlock& block, const Camera& camera);
 /// Robust residual scale of a segment's fit: median of the squared whitened residuals over its
 /// expectation for right sigmas, square-rooted; with the loss of degrees of freedom accounted for.
 double medianResidualScale(const SegmentBlock& block, const Camera& camera);
+
+/// The same within [1, 1000], for a state that is far from the solution, where all residuals are
+/// large: with sigmas scaled by it the robust loss still tells outliers from the rest. Bounded,
+/// since where nothing can be predicted there is no residual to follow.
+double provisionalScale(const SegmentBlock& block, const Camera& camera);
 
 }  // namespace camera_self_calibration

@@ -53,6 +53,10 @@ struct Marginal {
   std::optional<IntrinsicsMatrix> robustCovariance() const;
 };
 
+/// The covariance `L F L^T`, where it is larger than `L L^T`: F (symmetric, n x n) counts in the
+/// directions in which it is above the identity. `root` is L, a Cholesky factor.
+Eigen::MatrixXd widened(const Eigen::MatrixXd& root, const Eigen::MatrixXd& factor);
+
 /// Whether spurious information from noise in the inverse depths counts (see depth_noise.h).
 enum class DepthNoise {
   kCounts,     ///< All of it: eqs. 4 and 5 as they are.

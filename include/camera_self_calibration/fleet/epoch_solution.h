@@ -26,8 +26,9 @@ struct EpochSolution {
   double uncertainty_px = std::numeric_limits<double>::infinity();
   double tau_px = 0.0;                  ///< By how much bags scatter beyond what they say [px rms].
   std::vector<WantedSegment> segments;  ///< Of the merged queue.
-  std::vector<IntrinsicsMatrix> taught;  ///< By each bag of the history, in the queue; or empty.
-  int missing = 0;  ///< Segments that would have been better, in files that are gone.
+  std::vector<IntrinsicsMatrix>
+      contributions;  ///< By each bag of the history, in the queue; or empty.
+  int missing = 0;    ///< Segments that would have been better, in files that are gone.
 };
 
 /// The best segments of an epoch's bags, those with the lowest entropy first, such that none share

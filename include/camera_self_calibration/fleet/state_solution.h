@@ -14,12 +14,12 @@ namespace camera_self_calibration {
 /// The segments of a state, solved together again, with the rolling shutter that they show.
 struct StateSolution {
   SegmentQueue queue;  ///< solution() is not usable where there is none.
-  double row_time_s = 0.0;
-  double row_time_sigma_s = 0.0;
+  double line_delay_s = 0.0;
+  double line_delay_sigma_s = 0.0;
 };
 
 /// As a robot that starts with the state would solve it, of all its segments, in this order. The
-/// row time is estimated anew from them, unless none of the runs did.
+/// line delay is estimated anew from them, unless none of the runs did.
 StateSolution solveState(const LearntState& state, int threads = 1);
 
 /// The segments evaluated anew with the model of `lens`, from there on; the estimate is theirs

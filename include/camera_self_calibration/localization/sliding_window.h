@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
 #include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/map/map.h"
@@ -16,10 +17,10 @@ namespace camera_self_calibration {
 struct SlidingWindowOptions {
   int active_keyframes = 10;
   int conditioning_keyframes = 10;
-  int map_keyframes = 40;                   ///< Kept in all, at least active + conditioning.
-  bool exact_references = false;            ///< See Map.
-  double max_generation_distance_px = 0.5;  ///< Between intrinsics, for conditioning keyframes.
-  double gross_residual_share = 1.5 / 640;  ///< Of the image width: smaller residuals end no track.
+  int map_keyframes = 40;                     ///< Kept in all, at least active + conditioning.
+  bool exact_references = false;              ///< See Map.
+  double max_generation_distance_px = 0.5;    ///< Between intrinsics, for conditioning keyframes.
+  double gross_residual_share = kGrossShare;  ///< Smaller residuals end no track.
 };
 
 /// Where the camera is, with the intrinsics held (section II-C): the pose of each frame against the
@@ -64,7 +65,7 @@ class SlidingWindow {
 
   /// The rolling shutter's time between rows, which the map's pixels and those of frames to come
   /// are freed of [s].
-  void setRowTime(double row_time_s) { map_.setRowTime(row_time_s, camera_.height()); }
+  void setLineDelay(double line_delay_s) { map_.setLineDelay(line_delay_s, camera_.height()); }
 
   bool hasKeyframe(std::int64_t stamp_ns) const { return keyframeAt(stamp_ns) != nullptr; }
   /// Tells how tracks move in the keyframe of this stamp, if it is one.

@@ -61,8 +61,8 @@ class Map {
   int keyframesSince(std::int64_t stamp_ns) const;
 
   /// Frees all pixels of a rolling shutter of this time between rows [s].
-  void setRowTime(double row_time_s, int image_height);
-  double rowTimeS() const { return row_time_s_; }
+  void setLineDelay(double line_delay_s, int image_height);
+  double lineDelayS() const { return line_delay_s_; }
 
   /// Tells the motion of tracks in a keyframe, better known than when it was added; unknown ones
   /// are ignored.
@@ -112,7 +112,7 @@ class Map {
   std::deque<Keyframe> keyframes_;
   std::shared_ptr<const Camera> earlier_camera_;  // of keyframes before change_ns_; null: no change
   std::int64_t change_ns_ = 0;
-  double row_time_s_ = 0.0;
+  double line_delay_s_ = 0.0;
   std::map<std::int64_t, Point> points_;  // by track id: ordered, so that results are repeatable
 };
 

@@ -10,16 +10,16 @@ namespace camera_self_calibration {
 inline int rowSteps(int image_height) { return image_height > 1 ? image_height - 1 : 1; }
 
 /// Puts a pixel where a global shutter would have seen it at the time of the middle row, by the
-/// feature's own motion (asSeenAtOnce); 0: back where it was seen. `row_time_s` [s] is positive
+/// feature's own motion (asSeenAtOnce); 0: back where it was seen. `line_delay_s` [s] is positive
 /// where the upper rows are read first.
-void placePixel(double row_time_s, int image_height, Eigen::Vector2d* pixel, RowShift* shift);
+void placePixel(double line_delay_s, int image_height, Eigen::Vector2d* pixel, RowShift* shift);
 
 /// The same with all pixels of a segment. Poses are then those of the middle row.
-void setRowTime(double row_time_s, int image_height, Segment* segment);
+void setLineDelay(double line_delay_s, int image_height, Segment* segment);
 
 /// The same for a segment that was solved: each keyframe's features move as a rigid scene does
-/// (fitCameraMotion). A feature's own motion is a difference of noisy pixels: times the row time
-/// its noise looks like an error that grows with the row time, which is then found too short.
-void setRowTimeOfScene(double row_time_s, const Camera& camera, Segment* segment);
+/// (fitCameraMotion). A feature's own motion is a difference of noisy pixels: times the line delay
+/// its noise looks like an error that grows with the line delay, which is then found too short.
+void setLineDelayOfScene(double line_delay_s, const Camera& camera, Segment* segment);
 
 }  // namespace camera_self_calibration

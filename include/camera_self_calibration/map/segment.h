@@ -19,7 +19,7 @@ struct Keyframe {
   /// [map unit/s, rad/s].
   Vector6d velocity = Vector6d::Zero();
   /// Between image rows: that of the rolling shutter that its pixels are freed of; 0: as seen [s].
-  double row_time_s = 0.0;
+  double line_delay_s = 0.0;
   std::uint64_t calibration_generation = 0;  ///< Of the intrinsics its pose was estimated with.
   int camera = 0;                            ///< Which of Segment::cameras took it.
 };

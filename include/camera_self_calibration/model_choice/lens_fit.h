@@ -13,9 +13,9 @@
 
 namespace camera_self_calibration {
 
-/// Share of the image without rays up to which a calibration still is one of the image. Under radtan
-/// the outermost corners of a strongly distorted lens have none (3 % on one of 100 degrees that it
-/// fits to 0.1 px elsewhere); on a lens of 125 degrees, which it does not fit, 10 %.
+/// Share of the image without rays up to which a calibration still is one of the image. Under
+/// radtan the outermost corners of a strongly distorted lens have none (3 % on one of 100 degrees
+/// that it fits to 0.1 px elsewhere); on a lens of 125 degrees, which it does not fit, 10 %.
 constexpr double kNegligibleRim = 0.05;
 
 /// Whether the model in use describes the lens, by the newest comparison with richer ones.

@@ -9,6 +9,7 @@
 #include "camera_self_calibration/lens_change/change_detector.h"
 #include "camera_self_calibration/pipeline/back_end_state.h"
 #include "camera_self_calibration/pipeline/front_end.h"
+#include "camera_self_calibration/pipeline/handover.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
@@ -50,6 +51,7 @@ class BackEnd {
  private:
   void see(const KeyframeMessage& message);
   void runStartup(const Segment& history);
+  void keepFinishedBatch();
   void followTheBetter();
   CandidateOutcome considerCandidate(const KeyframeMessage& message);
   std::optional<CandidateOutcome> canSkipSolve(const KeyframeMessage& message);
@@ -57,9 +59,10 @@ class BackEnd {
   CandidateOutcome followDrift(const ChangeVerdict& verdict);
   void considerDrift();
   void recallSetting();
-  void considerRowTime();
-  void adoptRowTime();
+  void considerLineDelay();
+  void adoptLineDelay();
   void considerHandover();
+  HandoverLimits handoverLimits() const;
   void offerHalves();
   void judge();
   BackEndOutput finish();
@@ -74,7 +77,7 @@ class BackEnd {
   CandidateOutcome beginLens(const ChangeVerdict& verdict);
   void archiveQueue(std::int64_t onset_ns);
 
-  void advance(PhaseTrigger trigger) { state_.phase = after(state_.phase, trigger); }
+  void advance(PhaseTrigger trigger);
   void adoptStartup(const PixelError& uncertainty);
   void adoptSolution();
   void stateUncertainty();

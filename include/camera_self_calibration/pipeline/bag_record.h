@@ -34,8 +34,8 @@ struct BagRecord {
   double uncertainty_px = 0.0;  ///< Expected error over the image, all considered [px rms].
   double misfit_px = 0.0;       ///< Of the lens model, in it [px rms].
   Scatter scatter;              ///< Of its segments about `lens`.
-  double row_time_s = 0.0;      ///< LearntState::row_time_s.
-  double row_time_sigma_s = 0.0;
+  double line_delay_s = 0.0;    ///< LearntState::line_delay_s.
+  double line_delay_sigma_s = 0.0;
   std::vector<SegmentMark> segments;
 };
 

@@ -38,7 +38,7 @@ struct CalibrationUpdate {
   /// Startup: poses and depths solved together with the intrinsics.
   std::optional<Segment> solution;
   std::uint64_t epoch = 0;
-  double row_time_s = 0.0;    ///< Of the rolling shutter, between rows [s].
+  double line_delay_s = 0.0;  ///< Of the rolling shutter, between rows [s].
   std::int64_t onset_ns = 0;  ///< Of the epoch: stamp of the first keyframe with the present lens.
 };
 

@@ -28,6 +28,7 @@ struct HealthEvidence {
   PixelError uncertainty;        ///< [px]
   double seeing_share = 1.0;     ///< Of the image; the rest is dark and not counted.
   double threshold_px = 1.0;     ///< CONVERGED at or below this rms.
+  double blind_below_px = 0.0;   ///< CrossValidation::blindBelowPx.
   std::uint64_t epoch = 0;       ///< How often the lens changed so far.
   std::string obstacle;          ///< Why there was no hand-over yet, in words; may be empty.
   /// Describes the lens where the model in use misses it by more than its noise; may be empty.
@@ -41,8 +42,9 @@ struct HealthVerdict {
   std::string hint;
 };
 
-/// CONVERGED at or below the threshold. `was_converged`: left only when the uncertainty exceeds it
-/// by half, so that the state does not flicker.
+/// CONVERGED at or below the threshold, if both halves of the video tell enough of the lens to
+/// check each other. `was_converged`: left only when a limit is exceeded by half, so that the state
+/// does not flicker.
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera, bool was_converged);
 
 }  // namespace camera_self_calibration

@@ -21,8 +21,8 @@ struct LearntState {
   std::int64_t keyframes = 0;
   std::uint64_t revision = 0;
   std::uint64_t epoch = 0;
-  double row_time_s = 0.0;          ///< Of a rolling shutter, that the segments are freed of [s].
-  double row_time_sigma_s = 0.0;    ///< Of its estimate; 0: none was made [s].
+  double line_delay_s = 0.0;        ///< Of a rolling shutter, that the segments are freed of [s].
+  double line_delay_sigma_s = 0.0;  ///< Of its estimate; 0: none was made [s].
   std::vector<Candidate> segments;  ///< Of the queue, solved.
   /// The bags that it was learnt from, one lens or several; empty where it was learnt live.
   std::vector<BagRecord> bags;

@@ -44,7 +44,7 @@ class LensWatch {
   /// What was remembered rested on a start that was wrong, or on another model.
   void forgetStartup() { course_.clear(); }
 
-  /// Windows so far were freed of another row time.
+  /// Windows so far were freed of another line delay.
   void forgetWindows() { detector_.reset(); }
 
   /// A new lens since `onset_ns`. `scatter`: by how much the old one's segments disagreed; nothing

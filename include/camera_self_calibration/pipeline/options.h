@@ -52,6 +52,9 @@ struct Options {
   /// Of the first estimate.
   CameraModel firstModel() const;
 
+  /// The same with this calibration taken as exact.
+  Options withHeld(const Camera& camera) const;
+
   /// rms uncertainty that counts as converged for an image of this width [px].
   double convergedRms(int width) const;
 

@@ -16,12 +16,21 @@
 #include "camera_self_calibration/model_choice/model_choice.h"
 #include "camera_self_calibration/pipeline/health.h"
 #include "camera_self_calibration/queue/cross_validation.h"
+#include "camera_self_calibration/tracking/image_view.h"
 #include "camera_self_calibration/tracking/track.h"
 
 namespace camera_self_calibration {
 
 enum class TrackingState { kInitializing, kTracking, kLost };
-enum class EventType { kCalibrationChange, kHandover, kConverged, kLost, kRelocalized, kInput };
+enum class EventType {
+  kCalibrationChange,
+  kHandover,
+  kConverged,
+  kLost,
+  kRelocalized,
+  kInput,
+  kMountChanged
+};
 
 /// "TRACKING", "WAITING_FOR_MOTION", "HANDOVER", ...: the names used in messages and files.
 std::string toString(TrackingState state);
@@ -52,6 +61,7 @@ struct FrameResult {
   std::int64_t keyframe_id = -1;           ///< If is_keyframe.
   std::uint64_t calibration_revision = 0;  ///< Of the intrinsics used.
   TrackedFrame tracks;
+  ImageView image;  ///< As it was given; empty where tracks were.
   double processing_seconds = 0.0;
 };
 
@@ -130,9 +140,11 @@ struct Event {
   std::int64_t stamp_ns = 0;        ///< Of the image that raised it.
   std::int64_t onset_stamp_ns = 0;  ///< Dated start of a change; else equal to stamp_ns.
   std::string sentence;
-  std::uint64_t epoch = 0;    ///< Of the calibration after the event.
-  double magnitude_px = 0.0;  ///< kCalibrationChange: pixelDistance of the lens before and after.
-  double p_value = 1.0;       ///< kCalibrationChange: probability of so much by chance.
+  std::uint64_t epoch = 0;      ///< Of the calibration after the event.
+  double magnitude_px = 0.0;    ///< kCalibrationChange: pixelDistance of the lens before and after.
+  double p_value = 1.0;         ///< Of a change: probability of so much by chance.
+  double rotation = 0.0;        ///< kMountChanged: by how much a camera of a rig was turned [rad].
+  double rotation_sigma = 0.0;  ///< 1 sigma of it [rad].
 };
 
 }  // namespace camera_self_calibration

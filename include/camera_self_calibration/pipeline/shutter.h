@@ -5,7 +5,7 @@
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
-#include "camera_self_calibration/queue/row_time.h"
+#include "camera_self_calibration/queue/line_delay.h"
 #include "camera_self_calibration/queue/segment_queue.h"
 #include "camera_self_calibration/startup/startup.h"
 
@@ -18,19 +18,19 @@ class Shutter {
   Shutter(const Options& options, int rows);
 
   /// The message with its pixels moved to where a global shutter would have seen them. The front
-  /// end may know an older row time. Before anything is known of the lens (`scene_known` false)
+  /// end may know an older line delay. Before anything is known of the lens (`scene_known` false)
   /// features move as each was seen to.
   KeyframeMessage freed(const KeyframeMessage& message, const Camera& camera,
                         bool scene_known) const;
 
-  /// The candidate evaluated anew, if it was freed of another row time. None that was well posed is
-  /// lost by it.
+  /// The candidate evaluated anew, if it was freed of another line delay. None that was well posed
+  /// is lost by it.
   Candidate freed(const Candidate& candidate, const Camera& camera) const;
   std::vector<Candidate> freed(const std::vector<Candidate>& candidates,
                                const Camera& camera) const;
 
-  /// Asks the startup batch if it has grown enough since the last time. True if the row time in use
-  /// is another now.
+  /// Asks the startup batch if it has grown enough since the last time. True if the line delay in
+  /// use is another now.
   bool ask(const Startup& startup);
 
   /// Asks the queue if it has changed enough since the last time, which takes three linearisations.
@@ -39,14 +39,14 @@ class Shutter {
 
   /// The queue took so many candidates.
   void noteTaken(int candidates) { taken_ += candidates; }
-  /// All of the queue is freed of the row time in use.
+  /// All of the queue is freed of the line delay in use.
   void noteFreed() { taken_ = 0; }
 
   /// What an earlier run learnt. A readout time that was given is believed rather than that.
   void restore(const LearntState& state);
 
-  const RowTime& rowTime() const { return row_time_; }
-  /// From `camera` on, with the row time as one of the unknowns.
+  const LineDelay& lineDelay() const { return line_delay_; }
+  /// From `camera` on, with the line delay as one of the unknowns.
   QueueStart startFrom(const Camera& camera) const;
   ShutterReport report() const;
 
@@ -54,7 +54,7 @@ class Shutter {
   bool learns_;             // else the readout time was given
   double given_readout_s_;  // that, or where learning starts
   int row_steps_;           // times between rows that an image has
-  RowTime row_time_;
+  LineDelay line_delay_;
   int keyframes_ = 0;  // of the startup batch, when it was asked last
   int taken_ = 0;      // by the queue since it was asked last
 };

@@ -39,6 +39,6 @@ struct LineChartSheet {
 };
 
 /// Panels in columns below a title and the legend of the first panel's curves.
-Sheet drawLineCharts(const std::vector<LineChart>& charts, const LineChartSheet& sheet);
+Sheet drawLineCharts(const std::vector<LineChart>& charts, const LineChartSheet& style);
 
 }  // namespace camera_self_calibration

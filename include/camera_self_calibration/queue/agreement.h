@@ -47,7 +47,7 @@ struct Reference {
   Camera camera;
   IntrinsicsMatrix information;  ///< n_c x n_c.
   /// How far segments are known to disagree: the sigmas of what is compared are multiplied by its
-  /// inflation().
+  /// birgeRatio().
   Scatter scatter;
 };
 
@@ -76,9 +76,9 @@ Intrinsics compromise(const std::vector<QuadraticLikelihood>& likelihoods,
 /// The camera with other estimated intrinsics, n_c values or fewer.
 Camera withEstimated(const Camera& camera, const Intrinsics& values);
 
-/// p-value of a statistic with n_c degrees of freedom: chi-square; where the reference's inflation
-/// is more than chance, F with the variance moderated towards the sigmas as they are (as if five
-/// more degrees of freedom had scattered by just those).
+/// p-value of a statistic with n_c degrees of freedom: chi-square; where the reference's Birge
+/// ratio is more than chance, F with the variance moderated towards the sigmas as they are (as if
+/// five more degrees of freedom had scattered by just those).
 double pValue(double statistic, const Reference& reference);
 
 }  // namespace camera_self_calibration

@@ -17,6 +17,9 @@ struct CrossValidation {
   double p_value = 1.0;        ///< Probability of so large a difference by chance.
 
   bool agrees() const;
+  /// What an error of one half must exceed for the other to notice it [px rms]: expected_px;
+  /// infinite where they were not compared.
+  double blindBelowPx() const;
   /// The factor that the uncertainty lacks to explain the difference; 1 where chance does.
   double inflation() const;
   /// In words; empty unless compared.

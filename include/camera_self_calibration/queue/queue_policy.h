@@ -42,7 +42,12 @@ struct QueueDecision {
 /// `h_c < h - n_c ln(1/alpha)`: its geometric-mean sigma is smaller by the share 1 - alpha,
 /// whatever the sign of the entropies. By pixel error it is better when `e_c < alpha e`. It is
 /// compared with the worst segment; or, if it overlaps some, with these alone: with their joint
-/// covariance if several, and then replaces all of them.
+/// covariance if several, and then replaces all of them, unless it would be left alone: one segment
+/// cannot be checked against others. While a queue with room is
+/// filling, the time of these
+/// that it does not cover would be lost: a share u of its own length could have told about u times
+/// as much as it does, so that its sigmas have to be smaller by the factor sqrt(1 + u), if that is
+/// more than alpha asks for.
 class QueuePolicy {
  public:
   /// `capacity` >= 1 segments, alpha in (0, 1).
@@ -50,9 +55,10 @@ class QueuePolicy {
       : capacity_(capacity), alpha_(alpha), kind_(kind) {}
 
   /// What becomes of a candidate that is offered to a queue of these segments. `camera` gives the
-  /// normalisation of a joint entropy, and the image that a joint pixel error is over.
+  /// normalisation of a joint entropy, and the image that a joint pixel error is over. `filling`:
+  /// the queue is to know the lens as soon as possible.
   QueueDecision consider(const SegmentScore& candidate, const std::vector<SegmentScore>& segments,
-                         const Camera& camera) const;
+                         const Camera& camera, bool filling = false) const;
 
  private:
   int capacity_;

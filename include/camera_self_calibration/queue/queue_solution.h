@@ -4,7 +4,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/marginal.h"
-#include "camera_self_calibration/queue/row_time.h"
+#include "camera_self_calibration/queue/line_delay.h"
 #include "camera_self_calibration/queue/scatter.h"
 
 namespace camera_self_calibration {
@@ -26,7 +26,7 @@ struct QueueSolution {
   bool usable = false;  ///< Valid intrinsics with a covariance.
   Camera camera;
   /// Sum of the segments' marginals at the joint optimum, divided by the square of
-  /// scatter.inflation().
+  /// scatter.birgeRatio().
   IntrinsicsMatrix information;
   std::vector<BlockShare> shares;  ///< The segments' marginals, in the queue's order.
   /// The inverse of the information without the spurious part from noise in the inverse depths
@@ -44,9 +44,9 @@ struct QueueSolution {
   Camera present() const;
   IntrinsicsMatrix presentCovariance() const;
 
-  /// The row time is one of the unknowns: makes the covariance larger by what is left open where
+  /// The line delay is one of the unknowns: makes the covariance larger by what is left open where
   /// it is `doubt_s` off.
-  void addUncertaintyOf(const RowTimeEstimate& row_time, double doubt_s);
+  void addUncertaintyOf(const LineDelayEstimate& line_delay, double doubt_s);
 };
 
 }  // namespace camera_self_calibration

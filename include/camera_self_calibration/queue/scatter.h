@@ -4,16 +4,16 @@ namespace camera_self_calibration {
 
 /// Segments that disagree by more than this factor of their uncertainties are not describing one
 /// camera, or one of them sits in a wrong minimum.
-constexpr double kMaxInflation = 5.0;
+constexpr double kMaxBirgeRatio = 5.0;
 
 /// How far estimates of the same quantities are apart, each with its own uncertainty.
 struct Scatter {
   double chi_square = 0.0;  ///< Sum of squares, in their own sigmas, around their best compromise.
   int freedom = 0;          ///< Degrees of freedom of chi_square; 0: a single estimate.
 
-  /// The factor by which their sigmas are too small: sqrt of chi-square per degree of freedom, at
-  /// least 1.
-  double inflation() const;
+  /// The factor by which their sigmas are too small: sqrt of chi-square per degree of freedom
+  /// (Birge 1932), at least 1.
+  double birgeRatio() const;
 
   /// Degrees of freedom that the stated sigmas count for, beside what scatters.
   static constexpr int kPriorFreedom = 5;
@@ -22,9 +22,9 @@ struct Scatter {
   /// had scattered by just those. What two segments alone scatter could be of any size by chance.
   Scatter moderated() const;
 
-  /// Degrees of freedom from which inflation() is known; 0 where so much happens by chance: the
-  /// sigmas are right, and inflation() is no estimate of a variance.
-  int inflationFreedom() const;
+  /// Degrees of freedom from which birgeRatio() is known; 0 where so much happens by chance: the
+  /// sigmas are right, and birgeRatio() is no estimate of a variance.
+  int birgeFreedom() const;
 };
 
 }  // namespace camera_self_calibration

@@ -6,9 +6,9 @@
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/queue/candidate_window.h"
+#include "camera_self_calibration/queue/line_delay.h"
 #include "camera_self_calibration/queue/queue_policy.h"
 #include "camera_self_calibration/queue/queue_solution.h"
-#include "camera_self_calibration/queue/row_time.h"
 #include "camera_self_calibration/queue/scatter.h"
 
 namespace camera_self_calibration {
@@ -16,8 +16,8 @@ namespace camera_self_calibration {
 /// What a joint estimate begins with, beside the segments' own poses and depths.
 struct QueueStart {
   Camera camera;
-  RowTimeEstimate row_time = {};  ///< One of the unknowns; not usable: known exactly.
-  double row_time_doubt_s = 0.0;  ///< RowTime::doubt [s].
+  LineDelayEstimate line_delay = {};  ///< One of the unknowns; not usable: known exactly.
+  double line_delay_doubt_s = 0.0;    ///< LineDelay::doubt [s].
 };
 
 /// The priority queue of the best segments (section II-B) with their joint solution. Whatever
@@ -49,6 +49,10 @@ class SegmentQueue {
 
   void clear();
 
+  /// Whether it is to know the lens as soon as possible, and leaves no time unused while it has
+  /// room (QueuePolicy); not so at first.
+  void setFilling(bool filling) { filling_ = filling; }
+
   /// How the lens drifts, seen from solution(); lasts until the next estimate.
   void setDrift(const LensDrift& drift) { solution_.drift = drift; }
 
@@ -58,7 +62,7 @@ class SegmentQueue {
 
   /// The joint estimate of the rolling shutter's time between rows, about the one that
   /// they are freed of.
-  RowTimeEstimate rowTime() const;
+  LineDelayEstimate lineDelay() const;
 
  private:
   QueueDecision take(const Candidate& candidate);
@@ -69,6 +73,7 @@ class SegmentQueue {
   void setCovariance(const Problem& problem);
 
   QueuePolicy policy_;
+  bool filling_ = false;
   int threads_;
   std::vector<Candidate> candidates_;
   std::vector<Segment> own_;  // of each candidate, the solution that it came with

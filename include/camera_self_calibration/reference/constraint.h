@@ -32,6 +32,10 @@ inline void keepEntries(ceres::Problem* problem, double* block, int size,
   problem->SetManifold(block, new ceres::SubsetManifold(size, constant));
 }
 
+inline int freedomsOf(const ceres::Problem& problem, const double* block) {
+  return problem.ParameterBlockTangentSize(block);
+}
+
 #else
 
 inline void keepUnitQuaternion(ceres::Problem* problem, double* quaternion) {
@@ -45,6 +49,10 @@ inline void keepUnitVector(ceres::Problem* problem, double* vector) {
 inline void keepEntries(ceres::Problem* problem, double* block, int size,
                         const std::vector<int>& constant) {
   problem->SetParameterization(block, new ceres::SubsetParameterization(size, constant));
+}
+
+inline int freedomsOf(const ceres::Problem& problem, const double* block) {
+  return problem.ParameterBlockLocalSize(block);
 }
 
 #endif

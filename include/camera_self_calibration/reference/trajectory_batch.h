@@ -31,8 +31,8 @@ class TrajectoryBatch {
   void add(const Segment& window) { trajectory_.add(window); }
 
   /// Frees all pixels of a rolling shutter of this time between rows [s].
-  void setRowTime(double row_time_s, int image_height) {
-    trajectory_.setRowTime(row_time_s, image_height);
+  void setLineDelay(double line_delay_s, int image_height) {
+    trajectory_.setLineDelay(line_delay_s, image_height);
   }
 
   int keyframes() const { return trajectory_.keyframes(); }

@@ -25,7 +25,7 @@ class WholeTrajectory {
   void update(const std::vector<Segment>& solved);
 
   /// Frees all pixels of a rolling shutter of this time between rows, as the newest window's are.
-  void setRowTime(double row_time_s, int image_height);
+  void setLineDelay(double line_delay_s, int image_height);
 
   int keyframes() const { return keyframes_; }
 

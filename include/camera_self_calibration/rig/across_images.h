@@ -30,6 +30,9 @@ using FindAcross = std::function<std::vector<SeenAcross>(
 /// that is not well known.
 class AcrossImages {
  public:
+  /// Those of `expected` that are found in the image of `to`, with sigma: that of the registration
+  /// and that of the feature itself [px]. Calls come frame by frame: the pyramids of one frame are
+  /// kept. Nothing where an image is missing.
   std::vector<SeenAcross> operator()(const RigFrame& frame, int from, int to,
                                      const std::vector<ExpectedAcross>& expected);
 

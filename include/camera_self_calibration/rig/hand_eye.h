@@ -22,7 +22,6 @@ struct HandEye {
   /// In units of the rig's map, at least squares: rough, since the lever's share of a motion is
   /// small. Zero where it is told by nothing.
   Eigen::Vector3d position = Eigen::Vector3d::Zero();
-  double scale = 1.0;  ///< Lengths of the rig's map over those of the camera's.
 };
 
 /// The pose of a camera in the rig from `rig X = X camera` over many motions: the rotation from

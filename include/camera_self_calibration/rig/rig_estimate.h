@@ -54,6 +54,8 @@ struct RigEstimate {
   std::vector<PixelError> uncertainty;
   std::vector<RigPose> poses;  ///< Of the keyframes that it rests on.
   int observations = 0;
+  /// Typical, of what the first camera follows [1/unit of the positions]: how far away things are.
+  double inverse_depth = 1.0;
 };
 
 /// What is asked of a rig, from the pixels that a wrong pose costs: a pixel for 640 px of width, as
@@ -65,6 +67,9 @@ struct RigLimits {
   double direction = 0.0;  ///< [rad]
 };
 RigLimits rigLimits(const Camera& camera);
+
+/// Of a lens: a pixel for 640 px of width [px].
+double pixelLimit(const Camera& camera);
 
 /// From a covariance in the layout of rigCovariance: unit, sigmas and the words. `other`: the rig
 /// under lens models that explain the tracks as well; by how much it differs counts as one sigma,

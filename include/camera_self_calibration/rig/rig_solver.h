@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -9,11 +11,14 @@
 
 namespace camera_self_calibration {
 
+/// How Ceres minimises eq. (3) for a rig.
 struct RigSolveOptions {
   double huber = 2.0;  ///< Threshold on the norm of the whitened residual; 0: plain least squares.
   int max_iterations = 50;
   double tolerance = 1e-7;  ///< Ends when a step lowers the cost by less than this share of it.
   int threads = 1;
+  /// Asked at each iteration; where it says true the solution is given up. May be empty.
+  std::function<bool()> stop;
   /// Cameras whose intrinsics stay as they are; empty: none do.
   std::vector<bool> hold_intrinsics;
 };
@@ -50,5 +55,23 @@ struct RigLayout {
 /// and ratios of positions do not depend on it. Nothing where not all of them are observed.
 std::optional<Eigen::MatrixXd> rigCovariance(const RigSolveOptions& options,
                                              std::vector<RigSegment>* segments, Rig* rig);
+
+/// What a stretch of the rig's way says of the rig: the log-likelihood as a quadratic at `rig`, the
+/// way and all landmarks at their best for it. Layout and gauge are those of rigCovariance with
+/// intrinsics that are estimated for all cameras; what the stretch does not tell has no
+/// information.
+struct RigLikelihood {
+  std::int64_t begin_ns = 0;
+  std::int64_t end_ns = 0;
+  Rig rig;
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd information;
+};
+
+/// At the segments' present state, which solves them, intrinsics held or not. Errors along tracks
+/// are allowed for, and residuals that are larger than the sigmas. Nothing where a camera sees
+/// nothing.
+std::optional<RigLikelihood> rigLikelihood(const RigSolveOptions& options,
+                                           std::vector<RigSegment>* segments, const Rig& rig);
 
 }  // namespace camera_self_calibration

@@ -6,6 +6,7 @@
 #include <camera_self_calibration/TrackingStatus.h>
 #include <geometry_msgs/Pose.h>
 #include <geometry_msgs/PoseWithCovariance.h>
+#include <geometry_msgs/Transform.h>
 #include <geometry_msgs/TwistWithCovariance.h>
 
 #include "camera_self_calibration/pipeline/results.h"
@@ -19,6 +20,14 @@ namespace camera_self_calibration {
 std::vector<double> parameterSigmas(const CalibrationReport& report);
 
 geometry_msgs::Pose toPose(const Rigid3& pose);
+
+geometry_msgs::Transform toTransform(const Rigid3& pose);
+
+/// `position` and `rotation`: covariances in the axes of the parent frame, which is the convention
+/// of ROS.
+geometry_msgs::PoseWithCovariance toPoseWithCovariance(const Rigid3& pose,
+                                                       const Eigen::Matrix3d& position,
+                                                       const Eigen::Matrix3d& rotation);
 
 /// The covariance in the convention of ROS: both parts about the axes of the world frame.
 geometry_msgs::PoseWithCovariance toPoseWithCovariance(const FrameResult& result);

@@ -45,6 +45,11 @@ struct NodeOptions {
   std::vector<std::string> problems() const;
 };
 
+class ParameterReader;
+
+/// The parameters of the pipeline alone, with what their names stand for.
+void readPipelineOptions(ParameterReader& read, NodeOptions* options);
+
 struct NodeOptionsReading {
   NodeOptions options;
   std::vector<std::string> problems;  ///< Wrong types and violated bounds; empty if all is well.

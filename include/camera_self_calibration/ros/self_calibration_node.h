@@ -26,8 +26,8 @@
 namespace camera_self_calibration {
 
 /// The interface of a SelfCalibrator to ROS, the same in the nodelet and the standalone node.
-/// Topics and parameters are listed in doc/live.md. With wrong parameters it stays idle and says so,
-/// in the log and on /diagnostics. All callbacks are expected on one thread at a time.
+/// Topics and parameters are listed in doc/live.md. With wrong parameters it stays idle and says
+/// so, in the log and on /diagnostics. All callbacks are expected on one thread at a time.
 class SelfCalibrationNode {
  public:
   /// Returns at once and does not throw. `name` stands in /diagnostics.

@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "camera_self_calibration/base/stamp.h"
+
 namespace camera_self_calibration {
 
 inline std::int64_t toNanoseconds(const ros::Time& time) {
@@ -15,10 +17,6 @@ inline ros::Time toRosTime(std::int64_t nanoseconds) {
   if (nanoseconds < 0) return {};
   return {static_cast<std::uint32_t>(nanoseconds / 1000000000),
           static_cast<std::uint32_t>(nanoseconds % 1000000000)};
-}
-
-inline double toSeconds(std::int64_t nanoseconds) {
-  return static_cast<double>(nanoseconds) * 1e-9;
 }
 
 }  // namespace camera_self_calibration

@@ -27,7 +27,7 @@ struct FeatureTracksOptions {
   double loss_probability = 0.002;  ///< Of a track, per frame, without a cause in the scene.
   double border_px = 8.0;           ///< No measurements nearer to the edge of the image [px].
   bool occlusion = true;            ///< Hidden points are lost.
-  double row_time_s = 0.0;          ///< Rolling shutter: row r is seen at stamp + r * row_time_s.
+  double line_delay_s = 0.0;        ///< Rolling shutter: row r is seen at stamp + r * line_delay_s.
   std::int64_t start_stamp_ns = 0;  ///< Stamp of the trajectory's time 0 [ns].
 
   /// Every violated bound in one sentence each; empty if all is well.

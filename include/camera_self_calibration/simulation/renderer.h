@@ -17,10 +17,10 @@ namespace camera_self_calibration {
 
 struct RendererOptions {
   SensorOptions sensor;
-  double exposure_s = 0.0;  ///< Motion blur over this time, about the stamp [s].
-  int blur_images = 6;      ///< Averaged over the exposure.
-  double row_time_s = 0.0;  ///< Rolling shutter: row r is seen at stamp + r * row_time_s [s].
-  int threads = 1;          ///< The image does not depend on it.
+  double exposure_s = 0.0;    ///< Motion blur over this time, about the stamp [s].
+  int blur_images = 6;        ///< Averaged over the exposure.
+  double line_delay_s = 0.0;  ///< Rolling shutter: row r is seen at stamp + r * line_delay_s [s].
+  int threads = 1;            ///< The image does not depend on it.
 
   /// Every violated bound in one sentence each; empty if all is well.
   std::vector<std::string> problems() const;
@@ -36,14 +36,16 @@ class Renderer {
   Renderer(std::shared_ptr<const PaintedWorld> world, const Camera& camera,
            const RendererOptions& options);
 
-  /// CV_8UC1 at a time of a trajectory, with blur and rolling shutter as in the options. Pixels
-  /// without a ray are black.
-  cv::Mat render(const Trajectory& trajectory, double time_s, std::uint64_t noise_seed) const;
+  /// CV_8UC1 at a time of a trajectory, with blur and rolling shutter as in the options, the light
+  /// multiplied by `gain`. Pixels without a ray are black.
+  cv::Mat render(const Trajectory& trajectory, double time_s, std::uint64_t noise_seed,
+                 double gain = 1.0) const;
 
-  /// The same from one pose.
+  /// The same from one pose, bodies as they are at time 0.
   cv::Mat render(const Rigid3& world_from_camera, std::uint64_t noise_seed) const;
 
-  /// Light before the sensor: CV_32FC1, gray values of the textures, from one pose.
+  /// Light before the sensor: CV_32FC1, gray values of the textures, from one pose, bodies as they
+  /// are at time 0.
   cv::Mat light(const Rigid3& world_from_camera) const;
 
   const Camera& camera() const { return camera_; }

@@ -23,9 +23,10 @@ class Sensor {
  public:
   Sensor(const SensorOptions& options, const Camera& camera);
 
-  /// `light` is CV_32FC1, the result CV_8UC1 of the same size. The noise depends on the seed only.
-  /// Pixels without light stay black, without noise.
-  cv::Mat expose(const cv::Mat& light, std::uint64_t noise_seed) const;
+  /// `light` is CV_32FC1 and is multiplied by `gain`, besides the options' own; the result is
+  /// CV_8UC1 of the same size. The noise depends on the seed only. Pixels without light stay black,
+  /// without noise.
+  cv::Mat expose(const cv::Mat& light, std::uint64_t noise_seed, double gain = 1.0) const;
 
  private:
   SensorOptions options_;

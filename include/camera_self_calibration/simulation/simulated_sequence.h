@@ -7,7 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/simulation/auto_exposure.h"
 #include "camera_self_calibration/simulation/lens.h"
+#include "camera_self_calibration/simulation/moving_objects.h"
 #include "camera_self_calibration/simulation/renderer.h"
 #include "camera_self_calibration/simulation/room.h"
 #include "camera_self_calibration/simulation/synthetic_motion.h"
@@ -25,7 +27,10 @@ struct SequenceOptions {
   std::optional<Trajectory> trajectory;
   double rate_hz = 20.0;     ///< Of the images.
   double duration_s = 30.0;  ///< At most; a given trajectory may end earlier.
+  MovingObjectsOptions objects;
   RendererOptions renderer;
+  bool auto_exposure = false;  ///< See AutoExposure.
+  bool text_overlay = false;   ///< See writeOverlay.
   std::uint64_t noise_seed = 1;
   std::int64_t start_stamp_ns = 1700000000000000000;  ///< Of the first image.
 
@@ -45,7 +50,8 @@ struct SimulatedFrame {
 };
 
 /// A sequence of rendered images with exact ground truth. Frames may be asked for in any order and
-/// depend on the options only. Not for use by two threads at once.
+/// depend on the options only; with automatic exposure those before a frame are rendered first. Not
+/// for use by two threads at once.
 class SimulatedSequence {
  public:
   /// Throws std::invalid_argument that lists options.problems().
@@ -65,12 +71,17 @@ class SimulatedSequence {
   const World& world() const { return world_->world; }
 
  private:
+  cv::Mat exposed(int index) const;
+  void meter(const cv::Mat& image) const;
+
   SequenceOptions options_;
-  std::shared_ptr<const PaintedWorld> world_;
   Trajectory trajectory_;
+  std::shared_ptr<const PaintedWorld> world_;
   int size_;
   Renderer renderer_;
   std::optional<Renderer> zoomed_;
+  mutable AutoExposure exposure_;
+  mutable std::vector<double> gains_{1.0};  // of the frames that are metered, and of the next one
 };
 
 }  // namespace camera_self_calibration

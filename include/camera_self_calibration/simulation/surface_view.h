@@ -27,7 +27,8 @@ struct SurfaceView {
   bool meets(const Eigen::Vector3f& ray) const;
 };
 
-/// One view per surface of the world, in its order.
-std::vector<SurfaceView> viewsFrom(const PaintedWorld& world, const Rigid3& world_from_camera);
+/// One view per surface of the world and of its bodies at a time [s], in the order of its textures.
+std::vector<SurfaceView> viewsFrom(const PaintedWorld& world, const Rigid3& world_from_camera,
+                                   double time_s);
 
 }  // namespace camera_self_calibration

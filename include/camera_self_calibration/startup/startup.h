@@ -8,7 +8,7 @@
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/map/segment.h"
-#include "camera_self_calibration/queue/row_time.h"
+#include "camera_self_calibration/queue/line_delay.h"
 #include "camera_self_calibration/startup/growth.h"
 #include "camera_self_calibration/startup/keyframe_choice.h"
 
@@ -65,16 +65,26 @@ class Startup {
 
   /// The rolling shutter's time between rows, which all pixels are freed of from now on, those of
   /// the batch too; the batch is solved again [s].
-  void setRowTime(double row_time_s);
+  void setLineDelay(double line_delay_s);
 
   /// What the batch tells of the time between rows, about the one it is freed of. Not usable
   /// before it tells something of the lens.
-  RowTimeEstimate rowTime() const;
+  LineDelayEstimate lineDelay() const;
   int keyframesAdded() const { return added_; }  ///< In all.
 
   /// The earlier and the later half of what the solved batch holds of the present lens, which share
   /// no keyframe, without outliers. None where it is not usable.
   std::vector<Segment> halves() const;
+
+  /// A solved batch, without outliers and keyframes of an earlier lens.
+  struct Solution {
+    Segment segment;
+    Camera camera;
+    double rms = 0.0;  ///< wholeImageUncertainty() [px]
+  };
+  /// The most certain solution of a batch that has lost half of that information since, as the
+  /// oldest keyframes were left out, or that ended: once. It told the lens.
+  std::optional<Solution> takeFinished();
 
   const Camera& camera() const { return camera_; }
   /// camera(), but with the directions that are not known to the useless uncertainty at their last
@@ -131,6 +141,8 @@ class Startup {
   void setInformation(const Marginal& marginal);
   void setInformation(const IntrinsicsMatrix& information);
   void considerK3(const Segment& gated);
+  void noteBest();
+  void finishBatch();
 
   StartupOptions options_;
   Camera initial_;
@@ -152,6 +164,8 @@ class Startup {
   int next_retry_ = 0;          // count of keyframes at which other guesses are tried next
   std::size_t next_guess_ = 0;  // of them
   std::optional<Guess> best_guess_;
+  std::optional<Solution> best_;      // of this batch
+  std::optional<Solution> finished_;  // to be taken
 };
 
 /// Standard deviations that say nothing but that it is a camera: the focal length may be anything

@@ -8,6 +8,7 @@
 #include "camera_self_calibration/pipeline/back_end.h"
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/reference/trajectory_batch.h"
+#include "camera_self_calibration/tools/json.h"
 
 namespace camera_self_calibration {
 
@@ -66,8 +67,8 @@ class BatchComparer {
 /// of as many parameters.
 std::string batchText(const CalibrationReport& queue, const BatchComparison& comparison);
 
-/// JSON for summary.json; "null" where batchText is empty.
-std::string batchJson(const CalibrationReport& queue, const BatchComparison& comparison);
+/// For summary.json; null where batchText is empty.
+Json batchJson(const CalibrationReport& queue, const BatchComparison& comparison);
 
 /// Writes fig4_parameters.png (every parameter with 3-sigma bounds for queue and batch, and the
 /// determinant), fig5_focal_length.png and fig7_queue_sizes.png into a folder: the paper's figures

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/rig/mount_change.h"
 #include "camera_self_calibration/rig/rig_estimate.h"
 #include "camera_self_calibration/tools/calibrate.h"
 #include "camera_self_calibration/tools/recording.h"
@@ -15,8 +16,9 @@ struct RigRecording {
   std::vector<std::string> topics;  ///< As found in the bag, one for each camera.
   std::vector<Recording> cameras;  ///< Each camera's own run; with the joint intrinsics, if usable.
   RigEstimate estimate;            ///< Not usable: its sentence says why.
-  std::vector<TimedPose> poses;    ///< Of the rig in each image; empty without an estimate.
-  bool complete = true;            ///< False: stopped before the last image.
+  std::vector<MountChange> mount_changes;  ///< Cameras that were moved, in the order of time.
+  std::vector<TimedPose> poses;            ///< Of the rig in each image; empty without an estimate.
+  bool complete = true;                    ///< False: stopped before the last image.
 
   /// Whether each camera and the rig as a whole have converged.
   bool converged() const;

@@ -32,15 +32,6 @@ class ExampleFinder {
   std::uint64_t epoch_ = 0;
 };
 
-/// Horizontal, vertical and diagonal field of view, through the principal point and between the
-/// corners [deg]; not a number where the model has no ray for the border.
-struct FieldOfView {
-  double horizontal;
-  double vertical;
-  double diagonal;
-};
-FieldOfView fieldOfView(const Camera& camera);
-
 /// The image as an ideal pinhole camera would have seen it from the same place: as wide as the
 /// lens, but at most 120 degrees. Pixels that the lens did not see are black. Empty if the camera
 /// is not valid.

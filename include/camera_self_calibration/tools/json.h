@@ -1,24 +1,16 @@
 #pragma once
 
-#include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
-#include <vector>
 
-namespace camera_self_calibration::json {
+namespace camera_self_calibration {
 
-/// The functions return JSON text, which the composing ones take as values.
-using Member = std::pair<std::string, std::string>;  ///< Key (plain) and value (JSON text).
+/// Members keep their order. What is not a finite number becomes null.
+using Json = nlohmann::ordered_json;
 
-/// Shortest text that reads back as the same double; null for what is not a finite number.
-std::string number(double value);
-std::string number(std::int64_t value);
+/// The text of a file. Bytes that are no UTF-8, as a file name may hold, are replaced.
+inline std::string toText(const Json& value) {
+  return value.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
 
-/// Seconds with nine decimals, exact for any stamp.
-std::string seconds(std::int64_t nanoseconds);
-
-std::string string(const std::string& text);
-std::string array(const std::vector<std::string>& values);
-std::string object(const std::vector<Member>& members);
-
-}  // namespace camera_self_calibration::json
+}  // namespace camera_self_calibration

@@ -5,7 +5,6 @@
 #include <optional>
 #include <ostream>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "camera_self_calibration/audit/audit.h"
@@ -14,6 +13,7 @@
 #include "camera_self_calibration/reference/trajectory_comparison.h"
 #include "camera_self_calibration/tools/batch_comparison.h"
 #include "camera_self_calibration/tools/example_image.h"
+#include "camera_self_calibration/tools/json.h"
 
 namespace camera_self_calibration {
 
@@ -55,10 +55,9 @@ struct Recording {
 void writeTrajectory(const std::vector<TimedPose>& poses, bool complete, const std::string& unit,
                      std::ostream& file);
 
-/// The text of summary.json, the same for the same input but for the time that the run took,
+/// summary.json, the same for the same input but for the time that the run took,
 /// `processing_seconds` and `frames_per_second`. `extra` members come last.
-std::string summaryJson(const Recording& recording,
-                        const std::vector<std::pair<std::string, std::string>>& extra = {});
+Json summaryJson(const Recording& recording, const Json& extra = Json::object());
 
 /// Writes the files of calibrate_bag into an existing folder: summary.json (with the `extra`
 /// members), trajectory.tum, keyframes.tum, convergence.csv, and, if CONVERGED,
@@ -66,8 +65,8 @@ std::string summaryJson(const Recording& recording,
 /// to be said of them, one sentence each: which one holds an approximation, and how good it is.
 /// Those of a run that is not complete say so. Throws std::runtime_error if a file cannot be
 /// written.
-std::vector<std::string> writeRecording(
-    const std::string& folder, const std::string& topic, const Recording& recording,
-    const std::vector<std::pair<std::string, std::string>>& extra = {});
+std::vector<std::string> writeRecording(const std::string& folder, const std::string& topic,
+                                        const Recording& recording,
+                                        const Json& extra = Json::object());
 
 }  // namespace camera_self_calibration

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "camera_self_calibration/rig/rig.h"
+#include "camera_self_calibration/rig/rig_estimate.h"
 
 namespace camera_self_calibration {
 
@@ -14,6 +14,9 @@ namespace camera_self_calibration {
 /// `T_cn_cnm1`, the motion from the camera before to each, with `comment` as its first line.
 std::string rigCamchain(const Rig& rig, const std::vector<std::string>& topics,
                         const std::string& comment);
+
+/// In words, in what unit lengths are: for people who read a file.
+std::string scaleNote(const RigEstimate& estimate);
 
 /// A pair of cameras as stereo_image_proc reads it.
 struct StereoPair {

@@ -11,13 +11,12 @@ namespace camera_self_calibration {
 /// The outcome for a terminal: the verdict in plain words, then what each camera found.
 std::string rigText(const RigRecording& recording);
 
-/// How far the trajectory is from the ground truth of the first camera, in words; empty where
-/// nothing can be compared.
-std::string rigTrajectoryText(const RigRecording& recording,
-                              const std::vector<StampedCameraPose>& ground_truth);
+/// How far the trajectory is from the ground truth of the first camera, and its scale, in words;
+/// empty where nothing could be compared.
+std::string rigTrajectoryText(const std::optional<TrajectoryDifference>& difference, bool metric);
 
 /// summary.json of a rig.
-std::string rigJson(const RigRecording& recording);
+Json rigJson(const RigRecording& recording);
 
 /// Writes into an existing folder: what calibrate_bag writes for one camera into cam0/, cam1/, ...;
 /// summary.json and trajectory.tum of the rig; and, if it has converged, camchain.yaml and, for two

@@ -32,10 +32,17 @@ TrajectoryResults compareTrajectories(const Recording& recording,
 /// line and fault.
 std::vector<StampedCameraPose> readGroundTruth(const std::string& path);
 
+/// How far a trajectory is from the ground truth, one line for a terminal; empty if that is not
+/// known.
+std::string truthText(const char* what, const std::optional<TrajectoryDifference>& difference);
+
+/// What trajectory texts begin with, as a line of its own.
+constexpr const char* kTrajectoryHeading = "trajectory, after similarity alignment\n";
+
 /// Sentences for a terminal, one a line; empty if nothing was compared.
 std::string trajectoryText(const TrajectoryResults& results);
 
-/// JSON for summary.json.
-std::string trajectoryJson(const TrajectoryResults& results);
+/// For summary.json.
+Json trajectoryJson(const TrajectoryResults& results);
 
 }  // namespace camera_self_calibration

@@ -11,20 +11,20 @@
 namespace camera_self_calibration {
 
 /// Where a feature would have been seen if all rows had been read at the time of `middle_row`. A
-/// rolling shutter reads row v at `(v - middle_row) row_time_s` after that moment; the track's own
-/// motion tells where the feature was at which image's stamp, so that neither camera model nor pose
-/// is needed.
+/// rolling shutter reads row v at `(v - middle_row) line_delay_s` after that moment; the track's
+/// own motion tells where the feature was at which image's stamp, so that neither camera model nor
+/// pose is needed.
 Eigen::Vector2d asSeenAtOnce(const Eigen::Vector2d& pixel, const ImageMotion& motion,
-                             double middle_row, double row_time_s);
+                             double middle_row, double line_delay_s);
 
 /// A motion as images are stamped, turned into one in time at the moment of `middle_row`; the
 /// feature was seen at `pixel`.
 ImageMotion motionInTime(const Eigen::Vector2d& pixel, const ImageMotion& stamped,
-                         double middle_row, double row_time_s);
+                         double middle_row, double line_delay_s);
 
 /// As asSeenAtOnce, from the motion in time.
 Eigen::Vector2d asSeenAtOnceInTime(const Eigen::Vector2d& pixel, const ImageMotion& in_time,
-                                   double middle_row, double row_time_s);
+                                   double middle_row, double line_delay_s);
 
 /// The motion of features through the newest images, by a parabola through three of them. A sensor
 /// takes images at a steady rate, but many drivers stamp them when they arrive, some milliseconds

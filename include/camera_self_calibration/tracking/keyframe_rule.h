@@ -18,8 +18,8 @@ struct KeyframeOptions {
 
 /// Decides from tracks alone whether an image becomes a keyframe: on pixel parallax after removing
 /// the rotation, on rotation, and on tracks lost since the last keyframe. Never on translation in
-/// map units, whose scale is arbitrary. A still camera makes no keyframe, until it has lost nearly all
-/// tracks.
+/// map units, whose scale is arbitrary. A still camera makes no keyframe, until it has lost nearly
+/// all tracks.
 class KeyframeRule {
  public:
   explicit KeyframeRule(const KeyframeOptions& options) : options_(options) {}

@@ -1,4 +1,4 @@
-#include "camera_self_calibration/plotting/teaching_chart.h"
+#include "camera_self_calibration/plotting/contribution_chart.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,9 +34,9 @@ void drawKey(double right, const Palette& colours, Sheet* sheet) {
 
 }  // namespace
 
-SegmentTeaching teachingOf(const Camera& camera, const IntrinsicsMatrix& all,
-                           const IntrinsicsMatrix& own) {
-  SegmentTeaching result;
+SegmentContribution contributionOf(const Camera& camera, const IntrinsicsMatrix& all,
+                                   const IntrinsicsMatrix& own) {
+  SegmentContribution result;
   result.image = kInfinity;
   result.values.assign(static_cast<std::size_t>(all.rows()), kInfinity);
   const auto with = covarianceFromInformation(all);
@@ -49,8 +49,8 @@ SegmentTeaching teachingOf(const Camera& camera, const IntrinsicsMatrix& all,
   return result;
 }
 
-std::vector<SegmentTeaching> teachings(const std::vector<Candidate>& queue, const Camera& camera,
-                                       std::int64_t origin_ns) {
+std::vector<SegmentContribution> contributions(const std::vector<Candidate>& queue,
+                                               const Camera& camera, std::int64_t origin_ns) {
   const Eigen::Index n = camera.estimatedCount();
   IntrinsicsMatrix all = IntrinsicsMatrix::Zero(n, n);
   std::vector<const Candidate*> segments;
@@ -62,23 +62,24 @@ std::vector<SegmentTeaching> teachings(const std::vector<Candidate>& queue, cons
   const auto seconds = [origin_ns](std::int64_t stamp_ns) {
     return 1e-9 * static_cast<double>(stamp_ns - origin_ns);
   };
-  std::vector<SegmentTeaching> result;
+  std::vector<SegmentContribution> result;
   for (const Candidate* candidate : segments) {
-    result.push_back(teachingOf(camera, all, candidate->information));
+    result.push_back(contributionOf(camera, all, candidate->information));
     result.back().begin_s = seconds(candidate->segment.beginNs());
     result.back().end_s = seconds(candidate->segment.endNs());
     result.back().keyframes = static_cast<int>(candidate->segment.keyframes.size());
     result.back().landmarks = static_cast<int>(candidate->segment.landmarks.size());
     result.back().observations = static_cast<int>(candidate->segment.observations.size());
   }
-  std::sort(result.begin(), result.end(), [](const SegmentTeaching& a, const SegmentTeaching& b) {
-    return a.begin_s < b.begin_s;
-  });
+  std::sort(result.begin(), result.end(),
+            [](const SegmentContribution& a, const SegmentContribution& b) {
+              return a.begin_s < b.begin_s;
+            });
   return result;
 }
 
-Sheet drawTeachings(const std::vector<SegmentTeaching>& segments,
-                    const std::vector<std::string>& names, double duration_s, int width) {
+Sheet drawContributions(const std::vector<SegmentContribution>& segments,
+                        const std::vector<std::string>& names, double duration_s, int width) {
   const Palette& colours = palette(Theme::kLight);
   const double rows = 1.0 + static_cast<double>(names.size());
   Sheet sheet(width, static_cast<int>(kTop + rows * kRow + 34.0), colours.background);
@@ -96,7 +97,7 @@ Sheet drawTeachings(const std::vector<SegmentTeaching>& segments,
     const auto parameter = static_cast<std::size_t>(std::max(0, row - 1));
     sheet.text(row == 0 ? "image" : names[parameter], {kLeft - 8.0, y + 13.5}, 7.5, colours.text,
                Align::kRight, row == 0);
-    for (const SegmentTeaching& segment : segments) {
+    for (const SegmentContribution& segment : segments) {
       const double x0 = axes.at(segment.begin_s, 0.0).x;
       const double x1 = axes.at(segment.end_s, 0.0).x;
       const double growth = row == 0 ? segment.image : segment.values[parameter];

@@ -1,4 +1,4 @@
-#include "camera_self_calibration/queue/row_time.h"
+#include "camera_self_calibration/queue/line_delay.h"
 
 #include <cmath>
 #include <limits>
@@ -22,7 +22,7 @@ constexpr double kStep = 1e-3;
 constexpr double kLongest = 0.1;
 constexpr double kTypical = 0.02;  // where the shutter rolls, as half of all do
 
-// The quadratic model of the cost, at its least for one row time.
+// The quadratic model of the cost, at its least for one line delay.
 struct ProfilePoint {
   double cost = 0.0;
   Eigen::VectorXd intrinsics_step;
@@ -36,11 +36,11 @@ class Profile {
     for (const SegmentBlock& block : blocks) weighted_.push_back(weighted(block));
   }
 
-  ProfilePoint at(double row_time_s) {
+  ProfilePoint at(double line_delay_s) {
     const int count = camera_.estimatedCount();
     parallelFor(threads_, static_cast<int>(blocks_.size()), [&](int i) {
       Segment segment = weighted_[i];
-      setRowTimeOfScene(row_time_s, camera_, &segment);
+      setLineDelayOfScene(line_delay_s, camera_, &segment);
       SegmentBlock block = blocks_[i];
       block.segment = &segment;
       linear_[i].linearize(block, camera_, count, 0.0);
@@ -90,11 +90,11 @@ class Profile {
 
 }  // namespace
 
-RowTimeEstimate estimateRowTime(const std::vector<SegmentBlock>& blocks, const Camera& camera,
-                                const IntrinsicsPrior& prior, int threads) {
-  RowTimeEstimate estimate;
+LineDelayEstimate estimateLineDelay(const std::vector<SegmentBlock>& blocks, const Camera& camera,
+                                    const IntrinsicsPrior& prior, int threads) {
+  LineDelayEstimate estimate;
   if (blocks.empty() || blocks.front().segment->keyframes.empty()) return estimate;
-  const double present = blocks.front().segment->keyframes.front().row_time_s;
+  const double present = blocks.front().segment->keyframes.front().line_delay_s;
   const double step = kStep / rowSteps(camera.height());
   Profile profile(blocks, camera, prior, threads);
   const ProfilePoint before = profile.at(present - step);
@@ -104,40 +104,40 @@ RowTimeEstimate estimateRowTime(const std::vector<SegmentBlock>& blocks, const C
   const double slope = (after.cost - before.cost) / (2.0 * step);
   if (!(bend > 0.0) || !std::isfinite(bend) || !std::isfinite(slope)) return estimate;
   estimate.usable = true;
-  estimate.row_time_s = present - slope / bend;
+  estimate.line_delay_s = present - slope / bend;
   estimate.sigma_s = 1.0 / std::sqrt(bend);
   estimate.slope = (after.intrinsics_step - before.intrinsics_step) / (2.0 * step);
   return estimate;
 }
 
-Candidate withRowTime(const Candidate& candidate, double row_time_s, const Camera& start) {
+Candidate withLineDelay(const Candidate& candidate, double line_delay_s, const Camera& start) {
   Segment segment = candidate.observed.keyframes.empty() ? candidate.segment : candidate.observed;
-  if (segment.keyframes.empty() || segment.keyframes.front().row_time_s == row_time_s) {
+  if (segment.keyframes.empty() || segment.keyframes.front().line_delay_s == line_delay_s) {
     return candidate;
   }
-  setRowTimeOfScene(row_time_s, start, &segment);
+  setLineDelayOfScene(line_delay_s, start, &segment);
   return evaluateCandidate(CandidateOptions(), segment, start);
 }
 
-bool RowTime::take(const RowTimeEstimate& estimate) {
-  if (!estimate.usable || !(std::abs(estimate.row_time_s) < kLongest / row_steps_)) return false;
+bool LineDelay::take(const LineDelayEstimate& estimate) {
+  if (!estimate.usable || !(std::abs(estimate.line_delay_s) < kLongest / row_steps_)) return false;
   estimate_ = estimate;
-  const bool rolls = std::abs(estimate.row_time_s) > kSignificant * estimate.sigma_s;
-  const double wanted = rolls ? estimate.row_time_s : 0.0;
+  const bool rolls = std::abs(estimate.line_delay_s) > kSignificant * estimate.sigma_s;
+  const double wanted = rolls ? estimate.line_delay_s : 0.0;
   settled_ = std::abs(wanted - in_use_s_) <= kSmallPart * estimate.sigma_s;
   if (settled_) return false;
   in_use_s_ = wanted;
   return true;
 }
 
-double RowTime::doubt() const {
+double LineDelay::doubt() const {
   if (!estimate_.usable) return 0.0;
   const double variance = estimate_.sigma_s * estimate_.sigma_s;
   if (in_use_s_ != 0.0) return estimate_.sigma_s;
   const double prior = (kTypical / row_steps_) * (kTypical / row_steps_);
-  const double square = estimate_.row_time_s * estimate_.row_time_s;
+  const double square = estimate_.line_delay_s * estimate_.line_delay_s;
   // Likelihood of the estimate where the shutter rolls over that where it does not, and the mean
-  // square of the row time where it does.
+  // square of the line delay where it does.
   const double ratio = std::sqrt(variance / (variance + prior)) *
                        std::exp(0.5 * square * (1.0 / variance - 1.0 / (variance + prior)));
   const double share = prior / (prior + variance);

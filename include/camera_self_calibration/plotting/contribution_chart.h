@@ -9,7 +9,7 @@
 namespace camera_self_calibration {
 
 /// By how much the estimate's errors would grow without one segment of its queue.
-struct SegmentTeaching {
+struct SegmentContribution {
   double begin_s = 0.0;  ///< On the axis of the recording.
   double end_s = 0.0;
   int keyframes = 0;
@@ -21,18 +21,18 @@ struct SegmentTeaching {
 
 /// By how much errors would grow without the part `own` of the information `all`; its times and
 /// counts are left empty.
-SegmentTeaching teachingOf(const Camera& camera, const IntrinsicsMatrix& all,
-                           const IntrinsicsMatrix& own);
+SegmentContribution contributionOf(const Camera& camera, const IntrinsicsMatrix& all,
+                                   const IntrinsicsMatrix& own);
 
 /// From the segments' own information: covariances of the sum with and without each. A segment that
 /// alone makes the estimate possible has an infinite share. `origin_ns` is 0 s of the axis. In
 /// the order of time.
-std::vector<SegmentTeaching> teachings(const std::vector<Candidate>& queue, const Camera& camera,
-                                       std::int64_t origin_ns);
+std::vector<SegmentContribution> contributions(const std::vector<Candidate>& queue,
+                                               const Camera& camera, std::int64_t origin_ns);
 
 /// Which seconds were informative: one row a parameter, below a row for the image, over time; the
 /// darker the more.
-Sheet drawTeachings(const std::vector<SegmentTeaching>& segments,
-                    const std::vector<std::string>& names, double duration_s, int width);
+Sheet drawContributions(const std::vector<SegmentContribution>& segments,
+                        const std::vector<std::string>& names, double duration_s, int width);
 
 }  // namespace camera_self_calibration

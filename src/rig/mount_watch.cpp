@@ -1,0 +1,91 @@
+#include "camera_self_calibration/rig/mount_watch.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace camera_self_calibration {
+namespace {
+
+// Keyframes that tell something: landmarks take three views, and a way.
+constexpr std::size_t kMinFrames = 5;
+
+}  // namespace
+
+void MountWatch::add(const RigFrame& frame) {
+  const RigView& first = frame.views.front();
+  if (!first.world_from_camera) return;
+  const bool back = !newest_.empty() && frame.stamp_ns <= newest_.back().stamp_ns;
+  if (back || (!newest_.empty() && newest_.back().views.front().map_id != first.map_id)) {
+    closeStretch();
+  }
+  const auto again = [&](const RigLikelihood& stretch) {
+    return stretch.begin_ns <= frame.stamp_ns && frame.stamp_ns <= stretch.end_ns;
+  };
+  stretches_.erase(std::remove_if(stretches_.begin(), stretches_.end(), again), stretches_.end());
+  newest_.push_back(frame);
+  if (static_cast<int>(newest_.size()) >= options_.mount_frames) closeStretch();
+}
+
+void MountWatch::closeStretch() {
+  if (newestTells()) waiting_.push_back(std::move(newest_));
+  newest_.clear();
+  if (waiting_.size() > kMaxWaiting) waiting_.pop_front();
+}
+
+std::deque<MountWatch::Stretch> MountWatch::takeWaiting() {
+  return std::exchange(waiting_, std::deque<Stretch>());
+}
+
+bool MountWatch::newestTells() const { return newest_.size() >= kMinFrames; }
+
+std::optional<RigLikelihood> MountWatch::likelihood(const Stretch& stretch,
+                                                    const RigOptions& options,
+                                                    const FindAcross& across, const Rig& known,
+                                                    double inverse_depth) {
+  RigOptions own = options;
+  own.segment_frames = static_cast<int>(stretch.size());
+  own.min_frames = static_cast<int>(std::min(kMinFrames, stretch.size()));
+  own.max_frames = own.segment_frames;
+  RigCalibrator calibrator(own, known.size(), across);
+  for (const RigFrame& frame : stretch) calibrator.add(frame);
+  return calibrator.likelihood(known, inverse_depth);
+}
+
+void MountWatch::learn(RigLikelihood stretch) {
+  // Of another lens model.
+  if (!stretches_.empty() && stretches_.back().gradient.size() != stretch.gradient.size()) {
+    stretches_.clear();
+  }
+  stretches_.push_back(std::move(stretch));
+  if (stretches_.size() > kMaxStretches) stretches_.pop_front();
+}
+
+MountVerdict MountWatch::judge(const std::optional<RigLikelihood>& newest, const Rig& reference) {
+  std::vector<RigLikelihood> all(stretches_.begin(), stretches_.end());
+  if (newest) all.push_back(*newest);
+  const auto fits = [&](const RigLikelihood& stretch) {
+    return stretch.gradient.size() == all.back().gradient.size();
+  };
+  if (!std::all_of(all.begin(), all.end(), fits) || all.empty()) return {};
+  const std::int64_t begin_ns = asked_ns_.value_or(all.front().begin_ns);
+  const double hours =
+      1e-9 / 3600.0 * static_cast<double>(std::max<std::int64_t>(0, all.back().end_ns - begin_ns));
+  asked_ns_ = all.back().end_ns;
+  MountVerdict verdict = judgeMounts(all, reference, options_.false_alarms_per_hour * hours);
+  const auto at =
+      stretches_.begin() + static_cast<std::ptrdiff_t>(std::min(verdict.index, stretches_.size()));
+  if (verdict.kind == MountVerdict::Kind::kChange) stretches_.erase(stretches_.begin(), at);
+  if (verdict.kind == MountVerdict::Kind::kOutlier && at != stretches_.end()) {
+    stretches_.erase(at);
+  }
+  return verdict;
+}
+
+void MountWatch::clear() {
+  newest_.clear();
+  waiting_.clear();
+  stretches_.clear();
+}
+
+}  // namespace camera_self_calibration

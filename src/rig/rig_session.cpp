@@ -1,0 +1,311 @@
+#include "camera_self_calibration/rig/rig_session.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/base/formatted.h"
+
+namespace camera_self_calibration {
+namespace {
+
+// A solution is worth it when there are so many new keyframes, and this share of all. Its cost
+// grows with all of them, so that the cost per keyframe is bounded.
+constexpr int kMinNewKeyframes = 20;
+constexpr int kNewShare = 4;
+
+TimedView viewOf(const FrameResult& result) {
+  TimedView timed;
+  timed.stamp_ns = result.stamp_ns;
+  timed.is_keyframe = result.is_keyframe;
+  timed.view.tracks = result.tracks.tracks;
+  timed.view.map_id = result.map_id;
+  timed.view.image = result.image;
+  if (result.state == TrackingState::kTracking) {
+    timed.view.world_from_camera = result.world_from_camera;
+  }
+  return timed;
+}
+
+}  // namespace
+
+CalibrationReport withJointIntrinsics(CalibrationReport report, const RigEstimate& estimate,
+                                      int camera, double limit_px) {
+  const double alone = report.uncertainty.rms;
+  report.camera = estimate.rig.cameras[camera];
+  report.covariance = estimate.intrinsics_covariance[camera];
+  report.uncertainty = estimate.uncertainty[camera];
+  report.sentence = formatted(
+      "Jointly with the other cameras of the rig the calibration is good to %.2g px rms "
+      "over the image (alone: %.2g px)",
+      report.uncertainty.rms, alone);
+  if (report.uncertainty.rms > limit_px) report.state = CalibrationState::kConverging;
+  return report;
+}
+
+RigSession::RigSession(const RigOptions& options, int cameras, const FindAcross& across)
+    : options_(options),
+      across_(across),
+      lenses_(static_cast<std::size_t>(cameras)),
+      seen_(static_cast<std::size_t>(cameras), false),
+      views_(cameras),
+      calibrator_(options, cameras, across),
+      watch_(options) {}
+
+bool RigSession::lensesKnown() const {
+  return std::all_of(lenses_.begin(), lenses_.end(),
+                     [](const CalibrationReport& lens) { return lens.handed_over; });
+}
+
+void RigSession::add(int camera, const FrameResult& result) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  seen_[camera] = true;
+  if (!first_ns_) first_ns_ = result.stamp_ns;
+  auto views = views_.add(camera, viewOf(result));
+  if (views && lensesKnown()) collect(std::move(*views));
+}
+
+void RigSession::collect(std::vector<TimedView> views) {
+  RigFrame frame;
+  std::vector<bool> calls;
+  frame.stamp_ns = views.front().stamp_ns;
+  for (TimedView& timed : views) {
+    calls.push_back(timed.is_keyframe);
+    frame.views.push_back(std::move(timed.view));
+  }
+  calibrator_.observe(frame);
+  if (!keyframes_.add(calls)) return;
+  watch_.add(frame);
+  calibrator_.add(std::move(frame));
+  ++new_keyframes_;
+}
+
+// Where the cameras sit stays what was known before.
+void RigSession::beginAnew(const std::string& why) {
+  ++report_.epoch;
+  new_keyframes_ = 0;
+  doubt_.clear();
+  certain_ = false;
+  report_.estimate.converged = false;
+  report_.last_failure.clear();
+  report_.anew = asSentence(why + "; calibrating the rig again");
+}
+
+void RigSession::update(int camera, const CalibrationReport& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  CalibrationReport& known = lenses_[camera];
+  if (known.handed_over && report.epoch != known.epoch) {
+    calibrator_ = RigCalibrator(options_, static_cast<int>(lenses_.size()), across_);
+    watch_.clear();
+    beginAnew(formatted("the lens of %s has changed", nameOf(camera).c_str()));
+  }
+  known = report;
+}
+
+bool RigSession::due() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return new_keyframes_ >= std::max(kMinNewKeyframes, calibrator_.frames() / kNewShare);
+}
+
+bool RigSession::mountsDue() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return known_ ? watch_.due() : watch_.full();
+}
+
+RigReport RigSession::examineMounts() {
+  Lock lock(mutex_);
+  const std::optional<KnownRig> known = known_;
+  if (known) examine(*known, &lock);
+  lock.unlock();
+  return known ? report() : solve();
+}
+
+// Before keyframes are solved together they are asked whether they show one rig; where none is
+// known to start from, it is the one that they show together.
+RigReport RigSession::solve() {
+  Lock lock(mutex_);
+  const std::optional<KnownRig> known = known_;
+  const bool changed = known && examine(*known, &lock);
+  const std::uint64_t epoch = report_.epoch;
+  if (!changed) {
+    const RigEstimate estimate = solveJointly(&lock);
+    if (estimate.usable && !known_ && epoch == report_.epoch) {
+      examine({estimate.rig, estimate.inverse_depth}, &lock);
+    }
+    if (epoch == report_.epoch) take(estimate);
+  }
+  lock.unlock();
+  return report();
+}
+
+RigEstimate RigSession::solveJointly(Lock* lock) {
+  RigCalibrator calibrator = calibrator_;
+  std::vector<Camera> cameras;
+  for (const CalibrationReport& lens : lenses_) cameras.push_back(lens.camera);
+  RigEstimate estimate;
+  estimate.sentence = views_.problem();
+  new_keyframes_ = 0;
+  lock->unlock();
+  const auto begin = std::chrono::steady_clock::now();
+  if (estimate.sentence.empty()) estimate = calibrator.estimate(std::move(cameras));
+  const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+  lock->lock();
+  ++report_.solutions;
+  report_.solve_seconds = seconds.count();
+  return estimate;
+}
+
+// Whether a mount changed. The stretches are solved with each camera's own intrinsics: joint ones
+// may be from before.
+bool RigSession::examine(const KnownRig& known, Lock* lock) {
+  Rig rig = known.rig;
+  for (std::size_t c = 0; c < lenses_.size(); ++c) rig.cameras[c] = lenses_[c].camera;
+  const std::uint64_t epoch = report_.epoch;
+  const std::deque<MountWatch::Stretch> waiting = watch_.takeWaiting();
+  const MountWatch::Stretch newest = watch_.newestTells() ? watch_.newest() : MountWatch::Stretch();
+  lock->unlock();
+  const auto likelihood = [&](const MountWatch::Stretch& stretch) {
+    return MountWatch::likelihood(stretch, options_, across_, rig, known.inverse_depth);
+  };
+  std::vector<RigLikelihood> told;
+  for (const MountWatch::Stretch& stretch : waiting) {
+    if (auto one = likelihood(stretch)) told.push_back(std::move(*one));
+  }
+  const auto newest_told = newest.empty() ? std::nullopt : likelihood(newest);
+  lock->lock();
+  if (epoch != report_.epoch || (told.empty() && !newest_told)) return false;
+  for (RigLikelihood& one : told) watch_.learn(std::move(one));
+  return conclude(watch_.judge(newest_told, rig), known);
+}
+
+bool RigSession::conclude(const MountVerdict& verdict, const KnownRig& known) {
+  using Kind = MountVerdict::Kind;
+  doubt_ = verdict.kind == Kind::kDoubt ? doubtText(verdict) : "";
+  certain_ = verdict.kind == Kind::kDoubt && verdict.certain;
+  if (verdict.kind == Kind::kOutlier) calibrator_.forget(verdict.begin_ns, verdict.end_ns);
+  if (verdict.kind != Kind::kChange) return false;
+  calibrator_.forgetBefore(verdict.begin_ns);
+  known_ = {moved(known.rig, verdict.change), known.inverse_depth};
+  MountChange change = verdict.change;
+  beginAnew(textOf(change));
+  new_keyframes_ = calibrator_.frames();
+  change.epoch = report_.epoch;
+  change.sentence = report_.anew;
+  report_.mount_changes.push_back(change);
+  if (report_.mount_changes.size() > RigReport::kMaxMountChanges) {
+    report_.mount_changes.erase(report_.mount_changes.begin());
+  }
+  return true;
+}
+
+std::string RigSession::nameOf(int camera) const {
+  const auto index = static_cast<std::size_t>(camera);
+  return "camera " +
+         (index < options_.names.size() ? options_.names[index] : formatted("%d", camera));
+}
+
+std::string RigSession::doubtText(const MountVerdict& verdict) const {
+  std::string text = nameOf(verdict.change.camera) + " may have been moved";
+  if (verdict.lens) text += ", or the lens of " + nameOf(*verdict.lens) + " may have changed";
+  return text +
+         formatted(" (p = %.1e), which the next keyframes will tell", verdict.change.p_value);
+}
+
+// A rotation or shift that may be chance goes unmentioned where the other one is none.
+std::string RigSession::textOf(const MountChange& change) const {
+  constexpr double kChance = 0.0027;  // beyond 3 sigma
+  const bool shifted = change.shiftPValue() < kChance;
+  std::string text = nameOf(change.camera) + " was ";
+  if (change.rotationPValue() < kChance || !shifted) {
+    text += formatted("turned by %.2f +- %.2f degrees", change.angle() / kDegree,
+                      change.angleSigma() / kDegree);
+    if (shifted) text += " and ";
+  }
+  if (shifted) {
+    text += formatted("moved by %.3f +- %.3f %s", change.shift.norm(), change.shiftSigma(),
+                      report_.estimate.metric ? "m" : "distances between the first two cameras");
+  }
+  const std::string others = lenses_.size() == 2 ? nameOf(0) : "the others";
+  const double seconds = 1e-9 * static_cast<double>(change.onset_ns - first_ns_.value_or(0));
+  return text + formatted(" against %s at %.1f s", others.c_str(), seconds);
+}
+
+void RigSession::take(RigEstimate estimate) {
+  if (!doubt_.empty() && estimate.converged) {
+    estimate.converged = false;
+    estimate.sentence = withFullStop(estimate.sentence) + " " + asSentence(doubt_);
+  }
+  const bool better = estimate.usable && (estimate.converged || !report_.estimate.usable ||
+                                          !report_.estimate.converged);
+  report_.last_failure = better ? "" : estimate.sentence;
+  if (!better) return;
+  known_ = {estimate.rig, estimate.inverse_depth};
+  if (estimate.converged) report_.anew.clear();
+  report_.estimate = std::move(estimate);
+  ++report_.revision;
+}
+
+RigReport RigSession::report() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  RigReport report = report_;
+  report.cameras = lenses_;
+  report.keyframes = calibrator_.frames();
+  judge(&report);
+  return report;
+}
+
+// The first that is missing counts.
+void RigSession::judge(RigReport* report) const {
+  report->state = CalibrationState::kInitializing;
+  for (std::size_t c = 0; c < lenses_.size(); ++c) {
+    if (lenses_[c].handed_over) continue;
+    report->sentence = seen_[c] ? formatted("camera %zu does not know its lens yet: %s", c,
+                                            lenses_[c].sentence.c_str())
+                                : formatted("no image of camera %zu has come yet", c);
+    report->hint = lenses_[c].hint;
+    return;
+  }
+  report->state = CalibrationState::kConverging;
+  report->sentence = views_.problem();
+  if (!report->sentence.empty()) return;
+  const RigEstimate& estimate = report->estimate;
+  const std::string anew = report->anew.empty() ? "" : report->anew + " ";
+  if (!estimate.usable) {
+    report->sentence =
+        anew + (report->last_failure.empty()
+                    ? formatted("the cameras know their lenses; %d keyframes of the rig so far",
+                                report->keyframes)
+                    : report->last_failure);
+    report->hint = "turn the rig about all axes, where there is much to see";
+    return;
+  }
+  report->sentence = anew + estimate.sentence;
+  report->hint = estimate.hint;
+  if (!report->last_failure.empty()) {
+    report->sentence = withFullStop(report->sentence) +
+                       " The newest joint solution replaces nothing: " + report->last_failure;
+  }
+  if (!estimate.converged) return;
+  if (certain_) {
+    report->sentence = asSentence(doubt_) + " Before: " + report->sentence;
+    return;
+  }
+  for (std::size_t c = 0; c < lenses_.size(); ++c) {
+    const CalibrationReport& lens = lenses_[c];
+    const double limit =
+        options_.converged_pixel_rms > 0.0 ? options_.converged_pixel_rms : pixelLimit(lens.camera);
+    const CalibrationReport joint = withJointIntrinsics(lens, estimate, static_cast<int>(c), limit);
+    if (joint.state == CalibrationState::kConverged) continue;
+    const bool alone = lens.state != CalibrationState::kConverged;
+    report->sentence += formatted(" Camera %zu is not CONVERGED: ", c) +
+                        withFullStop(alone ? lens.sentence : joint.sentence);
+    report->hint = alone
+                       ? lens.hint
+                       : "turn the rig about all axes, and move what is seen over the whole image";
+    return;
+  }
+  report->state = CalibrationState::kConverged;
+}
+
+}  // namespace camera_self_calibration

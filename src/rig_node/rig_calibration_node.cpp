@@ -1,0 +1,284 @@
+#include "camera_self_calibration/rig_node/rig_calibration_node.h"
+
+#include <camera_self_calibration/CalibrationEvent.h>
+#include <geometry_msgs/PoseWithCovarianceStamped.h>
+#include <geometry_msgs/TransformStamped.h>
+
+#include <utility>
+
+#include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/ros/frame_names.h"
+#include "camera_self_calibration/ros/messages.h"
+#include "camera_self_calibration/ros/stamps.h"
+
+namespace camera_self_calibration {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+
+constexpr double kSilence = 2.0;  // [s]
+
+std::string cameraText(const RigNodeOptions& options, int camera) {
+  return formatted("camera %d (%s)", camera, options.image_topics[camera].c_str());
+}
+
+}  // namespace
+
+RigCalibrationNode::RigCalibrationNode(const ros::NodeHandle& node,
+                                       const ros::NodeHandle& private_node, const std::string& name)
+    : node_(node), private_node_(private_node), updater_(node, private_node, name) {
+  RigNodeOptionsReading reading = readRigNodeOptions(private_node_);
+  options_ = std::move(reading.options);
+  for (std::string& topic : options_.image_topics) topic = node_.resolveName(topic);
+  updater_.setHardwareID("none");
+  updater_.add("rig", this, &RigCalibrationNode::describe);
+  timer_ = private_node_.createWallTimer(
+      ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
+  for (const std::string& warning : reading.warnings) {
+    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
+  }
+  if (reading.problems.empty()) {
+    start(name);
+  } else {
+    stayIdle(reading.problems);
+  }
+}
+
+void RigCalibrationNode::start(const std::string& name) {
+  CameraInfoOptions info;
+  info.min_change_px = options_.camera.min_publish_change_px;
+  info.publish_uncalibrated = options_.camera.publish_uncalibrated;
+  camera_info_ =
+      std::make_unique<RigCameraInfo>(info, options_.camera.pipeline, options_.cameras());
+  store_ = std::make_unique<RigStore>(options_, name, false);
+  fallback_store_ = std::make_unique<RigStore>(options_, name, true);
+  event_ = private_node_.advertise<CalibrationEvent>("event", 10);
+  if (options_.publish_tf) {
+    transforms_ = std::make_unique<tf2_ros::StaticTransformBroadcaster>();
+  }
+  for (int c = 0; c < options_.cameras(); ++c) addPort(c);
+  RigCallbacks callbacks;
+  callbacks.event = [this](int camera, const Event& event) {
+    raise(event, event.type == EventType::kMountChanged ? "the rig" : cameraText(options_, camera));
+  };
+  callbacks.rig = [this](const RigReport& report) { onReport(report); };
+  calibrator_ = std::make_unique<RigSelfCalibrator>(
+      options_.rig(), std::vector<Options>(ports_.size(), options_.camera.pipeline),
+      SelfCalibrator::Mode::kThreaded, callbacks);
+  ros::NodeHandle services(private_node_);
+  services.setCallbackQueue(&service_queue_);
+  save_ = services.advertiseService("save", &RigCalibrationNode::save, this);
+  service_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &service_queue_);
+  service_spinner_->start();
+  for (const auto& port : ports_) port->input->subscribe();
+}
+
+RigCalibrationNode::~RigCalibrationNode() {
+  for (const auto& port : ports_) port->input->shutdown();
+  timer_.stop();
+  save_.shutdown();
+  if (service_spinner_) service_spinner_->stop();
+  calibrator_.reset();
+}
+
+void RigCalibrationNode::addPort(int camera) {
+  auto port = std::make_unique<Port>();
+  ros::NodeHandle names(private_node_, options_.camera_names[camera]);
+  port->input = std::make_unique<ImageInput>(
+      node_, options_.image_topics[camera], options_.camera.image_transport,
+      [this, camera](const InputImage& image) { onImage(camera, image); });
+  port->publisher = std::make_unique<CameraPublisher>(
+      names, [this, camera](const std_msgs::Header& header, int width, int height) {
+        return camera_info_->infoFor(camera, header, width, height);
+      });
+  port->extrinsics =
+      names.advertise<geometry_msgs::PoseWithCovarianceStamped>("extrinsics", 1, true);
+  ports_.push_back(std::move(port));
+}
+
+void RigCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
+  std::string text;
+  for (const std::string& problem : problems) {
+    text += "\n  - " + withFullStop(problem);
+    problems_ += (problems_.empty() ? "" : " ") + withFullStop(problem);
+  }
+  ROS_ERROR_STREAM(private_node_.getNamespace()
+                   << ": idle, since the parameters cannot be used:" << text);
+}
+
+void RigCalibrationNode::onImage(int camera, InputImage image) {
+  Port& port = *ports_[camera];
+  const std::string foreign = port.watch.check(image.publisher);
+  if (!foreign.empty()) image.gray = {std::nullopt, foreign};
+  std::string problem = port.publisher->publish(image);
+  const InputVerdict verdict = port.monitor.check(image.gray);
+  if (verdict != InputVerdict::kUse) problem = port.monitor.counts().last_problem;
+  if (!problem.empty()) warnThrottled(cameraText(options_, camera) + ": " + problem);
+  const bool usable = verdict != InputVerdict::kReject;
+  const bool dropped = usable && !calibrator_->process(camera, *image.gray.view);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  port.counts = port.monitor.counts();
+  port.frame = image.header.frame_id;
+  port.last_image = ros::WallTime::now();
+  port.dropped += dropped ? 1 : 0;
+}
+
+// From the threads of all cameras and that of the joint solutions.
+void RigCalibrationNode::onReport(const RigReport& report) {
+  const std::lock_guard<std::mutex> one_at_a_time(report_mutex_);
+  for (const std::string& warning : camera_info_->update(report)) {
+    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
+  }
+  const bool converged = report.state == CalibrationState::kConverged;
+  if (converged && published_revision_ != report.revision) {
+    publishPlaces(report);
+    published_revision_ = report.revision;
+  }
+  if (converged && !converged_) {
+    const std::int64_t stamp_ns = report.estimate.poses.back().stamp_ns;
+    raise({EventType::kConverged, stamp_ns, stamp_ns, report.sentence}, "the rig");
+  }
+  converged_ = converged;
+  if (converged && store_->hasFile() && saved_revision_ != report.revision) {
+    saved_revision_ = report.revision;
+    saveTo(store_.get(), report);
+  }
+}
+
+std::string RigCalibrationNode::frameOf(int camera) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  FrameNames names;
+  names.image_frame = ports_[camera]->frame;
+  if (!options_.camera_frames.empty()) names.child = options_.camera_frames[camera];
+  return names.camera();
+}
+
+void RigCalibrationNode::publishPlaces(const RigReport& report) {
+  const RigEstimate& estimate = report.estimate;
+  std::vector<geometry_msgs::TransformStamped> transforms;
+  const std::string rig_frame = frameOf(0);
+  for (int c = 0; c < estimate.rig.size(); ++c) {
+    const PlaceInRig& place = estimate.places[c];
+    geometry_msgs::PoseWithCovarianceStamped message;
+    message.header.stamp = toRosTime(estimate.poses.back().stamp_ns);
+    message.header.frame_id = rig_frame;
+    message.pose = toPoseWithCovariance(estimate.rig.rig_from_camera[c], place.position_covariance,
+                                        place.rotation_covariance);
+    ports_[c]->extrinsics.publish(message);
+    if (c == 0 || frameOf(c) == rig_frame) continue;
+    geometry_msgs::TransformStamped transform;
+    transform.header = message.header;
+    transform.child_frame_id = frameOf(c);
+    transform.transform = toTransform(estimate.rig.rig_from_camera[c]);
+    transforms.push_back(transform);
+  }
+  // REP 103: lengths in metres.
+  if (transforms_ && estimate.metric && !transforms.empty()) {
+    transforms_->sendTransform(transforms);
+  }
+}
+
+void RigCalibrationNode::raise(const Event& event, const std::string& who) {
+  Event told = event;
+  told.sentence = who + ": " + event.sentence;
+  ROS_INFO_STREAM(private_node_.getNamespace()
+                  << ": " << toString(event.type) << ": " << told.sentence);
+  CalibrationEvent message = toCalibrationEvent(told, event.epoch);
+  message.header.stamp = toRosTime(event.stamp_ns);
+  message.header.frame_id = frameOf(0);
+  event_.publish(message);
+}
+
+bool RigCalibrationNode::save(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  const CalibrationStore::Outcome outcome =
+      saveTo(store_->hasFile() ? store_.get() : fallback_store_.get(), calibrator_->report());
+  response.success = outcome.success;
+  response.message = outcome.message;
+  return true;
+}
+
+CalibrationStore::Outcome RigCalibrationNode::saveTo(RigStore* store, const RigReport& report) {
+  std::vector<sensor_msgs::CameraInfo> infos;
+  for (int c = 0; c < options_.cameras(); ++c) {
+    const Camera& camera = report.cameras[c].camera;
+    infos.push_back(camera_info_->infoFor(c, std_msgs::Header(), camera.width(), camera.height()));
+  }
+  const CalibrationStore::Outcome outcome = store->save(report, infos);
+  if (!outcome.success) {
+    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << outcome.message);
+  }
+  const std::lock_guard<std::mutex> lock(mutex_);
+  saving_ = outcome.message;
+  saving_failed_ = !outcome.success;
+  return outcome;
+}
+
+// What an operator has to do something about; empty if nothing.
+std::string RigCalibrationNode::inputProblem() {
+  for (int c = 0; c < options_.cameras(); ++c) {
+    Port& port = *ports_[c];
+    const std::string who = cameraText(options_, c);
+    if (port.last_image.isZero()) {
+      return "No image of " + who + " has come yet: is the camera running, and is the name right?";
+    }
+    const double silence = (ros::WallTime::now() - port.last_image).toSec();
+    if (silence > kSilence) return formatted("No image of %s for %.0f s.", who.c_str(), silence);
+    const std::int64_t dropped = port.dropped - std::exchange(port.dropped_before, port.dropped);
+    if (dropped == 0) continue;
+    return formatted(
+        "Slower than the cameras: %lld images of %s were dropped since the last report. Lower the "
+        "cameras' rate or resolution, or max_features.",
+        static_cast<long long>(dropped), who.c_str());
+  }
+  return {};
+}
+
+void RigCalibrationNode::describe(diagnostic_updater::DiagnosticStatusWrapper& status) {
+  if (!calibrator_) {
+    status.summary(DiagnosticStatus::ERROR, "Idle, the parameters cannot be used: " + problems_);
+    return;
+  }
+  const RigReport report = calibrator_->report();
+  const bool converged = report.state == CalibrationState::kConverged;
+  status.summary(
+      converged ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+      asSentence(report.sentence) + (report.hint.empty() ? "" : " " + asSentence(report.hint)));
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::string input = inputProblem();
+  if (!input.empty()) status.mergeSummary(DiagnosticStatus::WARN, input);
+  if (saving_failed_) status.mergeSummary(DiagnosticStatus::ERROR, asSentence(saving_));
+  status.add("state", toString(report.state));
+  status.add("keyframes of the rig", report.keyframes);
+  status.add("joint solutions", report.solutions);
+  status.add("last joint solution [s]", report.solve_seconds);
+  if (!report.last_failure.empty()) status.add("last joint solution", report.last_failure);
+  if (!report.mount_changes.empty()) {
+    status.add("last change of a mount", asSentence(report.mount_changes.back().sentence));
+  }
+  const std::string pair_note = camera_info_->pairNote();
+  if (!pair_note.empty()) status.mergeSummary(DiagnosticStatus::OK, asSentence(pair_note));
+  if (!saving_.empty()) status.add("saving", saving_);
+  for (int c = 0; c < options_.cameras(); ++c) {
+    const CalibrationReport& own = report.cameras[c];
+    const std::string name = options_.camera_names[c];
+    status.add(name + " topic", options_.image_topics[c]);
+    status.add(name + " lens", toString(own.state) + ": " + own.sentence);
+    status.add(name + " camera_info", camera_info_->stateText(c));
+    status.add(name + " rate [Hz]", ports_[c]->counts.rate_hz);
+    status.add(name + " images dropped", ports_[c]->dropped);
+    status.add(name + " images rejected", ports_[c]->counts.rejected);
+    if (report.estimate.usable && c > 0) {
+      status.add(name + " place", placeText(report.estimate, c));
+    }
+  }
+}
+
+void RigCalibrationNode::warnThrottled(const std::string& text) {
+  const ros::WallTime now = ros::WallTime::now();
+  if (!last_warning_.isZero() && now - last_warning_ < ros::WallDuration(5.0)) return;
+  last_warning_ = now;
+  ROS_WARN_STREAM(private_node_.getNamespace() << ": " << text);
+}
+
+}  // namespace camera_self_calibration

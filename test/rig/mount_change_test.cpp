@@ -1,0 +1,204 @@
+#include "camera_self_calibration/rig/mount_change.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/simulation/random.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+constexpr double kLevel = 1e-6;
+
+Camera lens(double focal) {
+  Intrinsics p(8);
+  p << focal, focal, 322.0, 236.0, 0.02, 0.01, 0.0, 0.0;
+  return Camera(CameraModel::kEquidistant, 640, 480, p);
+}
+
+Rig rigOf(int cameras) {
+  Rig rig;
+  for (int c = 0; c < cameras; ++c) {
+    rig.cameras.push_back(lens(400.0 + 10.0 * c));
+    rig.rig_from_camera.emplace_back(expSo3(0.1 * c * Eigen::Vector3d(0.2, -0.3, 0.5)),
+                                     c * Eigen::Vector3d(0.12, 0.01 * c, -0.005));
+  }
+  return rig;
+}
+
+// What is seen of a rig in short stretches of video: its poses and lenses with errors of a random
+// covariance, in a map of random scale.
+class Stretches {
+ public:
+  explicit Stretches(std::uint64_t seed) : random_(seed) {}
+
+  const std::vector<RigLikelihood>& list() const { return list_; }
+
+  void see(const Rig& truth, int count, double stated = 1.0) {
+    for (int i = 0; i < count; ++i) list_.push_back(stretchOf(truth, stated));
+  }
+
+ private:
+  // Poses to 0.05 degrees and 5 mm, lenses to a pixel and 0.01, all correlated.
+  RigLikelihood stretchOf(const Rig& truth, double stated) {
+    RigLikelihood stretch;
+    stretch.begin_ns = 1'000'000'000LL * static_cast<std::int64_t>(list_.size());
+    stretch.end_ns = stretch.begin_ns + 900'000'000LL;
+    stretch.rig = truth;
+    const double scale = random_.uniform(0.5, 2.0);
+    for (Rigid3& pose : stretch.rig.rig_from_camera) pose.translation *= scale;
+    const RigLayout layout(truth, {});
+    Eigen::VectorXd sigmas(layout.size);
+    for (int c = 0; c < truth.size(); ++c) {
+      if (c > 0) sigmas.segment<3>(layout.pose_at[c]).setConstant(0.05 * kDegree);
+      if (c > 0) sigmas.segment<3>(layout.pose_at[c] + 3).setConstant(0.005 * scale);
+      sigmas.segment<4>(layout.intrinsics_at[c]).setConstant(1.0);
+      sigmas.segment<4>(layout.intrinsics_at[c] + 4).setConstant(0.01);
+    }
+    const int n = layout.size;
+    Eigen::MatrixXd half = Eigen::MatrixXd::Identity(n, n);
+    for (int i = 0; i < n * n; ++i) half(i % n, i / n) += 0.2 * random_.normal();
+    half = sigmas.asDiagonal() * half;
+    Eigen::VectorXd error(n);
+    for (int i = 0; i < n; ++i) error(i) = random_.normal();
+    error = half * error;
+    stretch.information = stated * (half * half.transpose()).inverse();
+    stretch.gradient = Eigen::VectorXd::Zero(n);
+    for (int c = 0; c < truth.size(); ++c) {
+      Intrinsics p = stretch.rig.cameras[c].parameters();
+      p += error.segment<8>(layout.intrinsics_at[c]);
+      stretch.rig.cameras[c].setParameters(p);
+      if (c == 0) continue;
+      Rigid3& pose = stretch.rig.rig_from_camera[c];
+      pose.rotation = expSo3(error.segment<3>(layout.pose_at[c])) * pose.rotation;
+      pose.translation += error.segment<3>(layout.pose_at[c] + 3);
+    }
+    return stretch;
+  }
+
+  Random random_;
+  std::vector<RigLikelihood> list_;
+};
+
+MountChange turnOf(int camera, const Eigen::Vector3d& degrees) {
+  MountChange change;
+  change.camera = camera;
+  change.rotation = kDegree * degrees;
+  return change;
+}
+
+TEST(JudgeMounts, NothingChangesByChance) {
+  constexpr int kTrials = 400;
+  int doubts = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Rig rig = rigOf(2 + trial % 2);
+    Stretches stretches(static_cast<std::uint64_t>(trial));
+    stretches.see(rig, 3 + trial % 7);
+    const MountVerdict verdict = judgeMounts(stretches.list(), rig, 1e-3);
+    EXPECT_NE(verdict.kind, MountVerdict::Kind::kChange) << trial;
+    doubts += verdict.kind != MountVerdict::Kind::kSame;
+  }
+  // Each is in doubt with a probability of 1 % at most: 12 has 0.1 %.
+  EXPECT_LT(doubts, 12);
+}
+
+// Sigmas that are stated too small by three: what stretches scatter anyway is no change.
+TEST(JudgeMounts, ScatterIsNoChange) {
+  int alarms = 0;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    Stretches stretches(seed);
+    stretches.see(rigOf(2), 8, 9.0);
+    alarms += judgeMounts(stretches.list(), rigOf(2), 1e-4).kind == MountVerdict::Kind::kChange;
+  }
+  EXPECT_EQ(alarms, 0);
+}
+
+void expectTurn(const MountChange& change, int camera, const Eigen::Vector3d& degrees) {
+  EXPECT_EQ(change.camera, camera);
+  const Eigen::Vector3d error = change.rotation - kDegree * degrees;
+  EXPECT_LT(error.dot(change.rotation_covariance.inverse() * error), 16.3);  // one in 1000
+  EXPECT_NEAR(change.angle(), kDegree * degrees.norm(), 5.0 * change.angleSigma());
+  EXPECT_LT(change.angleSigma(), 0.2 * kDegree);
+  EXPECT_LT(change.rotationPValue(), 1e-3);
+}
+
+TEST(JudgeMounts, OfThreeTheCameraThatMovedIsNamed) {
+  const Eigen::Vector3d degrees(0.3, -0.2, 0.4);
+  for (int camera = 0; camera < 3; ++camera) {
+    const Rig rig = rigOf(3);
+    Stretches stretches(7);
+    stretches.see(rig, 4);
+    stretches.see(moved(rig, turnOf(camera, degrees)), 4);
+    const MountVerdict verdict = judgeMounts(stretches.list(), rig, kLevel);
+    ASSERT_EQ(verdict.kind, MountVerdict::Kind::kChange) << camera;
+    EXPECT_EQ(verdict.index, 4u);
+    EXPECT_EQ(verdict.begin_ns, 4'000'000'000LL);
+    expectTurn(verdict.change, camera, degrees);
+    EXPECT_LT(verdict.change.p_value, kLevel);
+  }
+}
+
+TEST(JudgeMounts, OfTwoTheSecondIsNamed) {
+  const Rig rig = rigOf(2);
+  Stretches stretches(7);
+  stretches.see(rig, 2);
+  stretches.see(moved(rig, turnOf(1, {0.0, 0.5, 0.0})), 3);
+  const MountVerdict verdict = judgeMounts(stretches.list(), rig, kLevel);
+  ASSERT_EQ(verdict.kind, MountVerdict::Kind::kChange);
+  expectTurn(verdict.change, 1, {0.0, 0.5, 0.0});
+}
+
+TEST(JudgeMounts, AShiftAcrossTheBaselineIsTold) {
+  const Rig rig = rigOf(2);
+  MountChange shift;
+  shift.shift = {0.0, 0.03, 0.0};
+  Stretches stretches(3);
+  stretches.see(rig, 5);
+  stretches.see(moved(rig, shift), 5);
+  const MountVerdict verdict = judgeMounts(stretches.list(), rig, kLevel);
+  ASSERT_EQ(verdict.kind, MountVerdict::Kind::kChange);
+  EXPECT_TRUE(verdict.change.shift_known);
+  EXPECT_NEAR((verdict.change.shift - shift.shift).norm(), 0.0, 0.01);
+  EXPECT_LT(verdict.change.shiftPValue(), 1e-4);
+  EXPECT_GT(verdict.change.rotationPValue(), 1e-3);
+}
+
+TEST(JudgeMounts, OneStretchThatIsWrongIsNoChange) {
+  const Rig rig = rigOf(2);
+  Stretches stretches(5);
+  stretches.see(rig, 4);
+  stretches.see(moved(rig, turnOf(1, {0.0, 0.5, 0.0})), 1);
+  // It may be the first after a change.
+  EXPECT_EQ(judgeMounts(stretches.list(), rig, kLevel).kind, MountVerdict::Kind::kDoubt);
+  stretches.see(rig, 3);
+  const MountVerdict verdict = judgeMounts(stretches.list(), rig, kLevel);
+  EXPECT_EQ(verdict.kind, MountVerdict::Kind::kOutlier);
+  EXPECT_EQ(verdict.index, 4u);
+}
+
+TEST(JudgeMounts, ALensThatChangedIsNoMount) {
+  Rig rig = rigOf(2);
+  Rig zoomed = rig;
+  zoomed.cameras[1] = lens(414.1);
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    Stretches stretches(seed);
+    stretches.see(rig, 4);
+    stretches.see(zoomed, 4);
+    EXPECT_NE(judgeMounts(stretches.list(), rig, kLevel).kind, MountVerdict::Kind::kChange);
+  }
+}
+
+TEST(JudgeMounts, TwoStretchesTellNothing) {
+  const Rig rig = rigOf(2);
+  Stretches stretches(1);
+  stretches.see(rig, 1);
+  stretches.see(moved(rig, turnOf(1, {0.0, 5.0, 0.0})), 1);
+  EXPECT_EQ(judgeMounts(stretches.list(), rig, kLevel).kind, MountVerdict::Kind::kSame);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
