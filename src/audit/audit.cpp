@@ -14,9 +14,8 @@ namespace {
 // Models err most where they extrapolate, and there are the fewest features: what the outermost
 // ones say is told apart.
 constexpr double kInnerShare = 0.95;
-// Of the tolerance. What is accepted is certain to three sigma to be less than twice the tolerance
-// off.
-constexpr double kMaxSigma = 1.0 / 3.0;
+// What is accepted is off by less than so many times the tolerance, for certain.
+constexpr double kAccepted = 2.0;
 
 // What is known of the lens.
 struct Evidence {
@@ -36,19 +35,8 @@ EstimateDistance distanceOf(const Camera& calibration, const Evidence& evidence,
                             const ImageWeights& weights) {
   EstimateDistance distance =
       distanceFromEstimate(evidence.lens, evidence.covariance, calibration, weights);
-  distance.sigma_px = std::hypot(distance.sigma_px, evidence.misfit_px);
+  distance.offset.other_sigma = evidence.misfit_px;
   return distance;
-}
-
-// Probability of so much beyond the limit by chance: one-sided, Student's where the scatter of the
-// segments had to be estimated.
-double byChance(double value, double sigma, double limit, int freedom) {
-  if (!std::isfinite(value)) return 1.0;
-  if (!(sigma > 0.0)) return value > limit ? 0.0 : 1.0;
-  const double t = (value - limit) / sigma;
-  const double both =
-      freedom > 0 ? fExceedance(t * t, 1.0, freedom) : chiSquareExceedance(t * t, 1.0);
-  return t > 0.0 ? 0.5 * both : 1.0 - 0.5 * both;
 }
 
 // Probabilities of what is found where the calibration is tolerable.
@@ -62,12 +50,12 @@ Chances chancesOf(const EstimateDistance& distance, const Evidence& evidence,
                   const AuditOptions& options) {
   // Where the rays are known, there is no chance in their having no pixel.
   const bool refuses =
-      distance.refused > kNegligibleRim && distance.noise_px <= options.tolerance_px;
-  return {refuses
-              ? 0.0
-              : byChance(distance.px(), distance.sigma_px, options.tolerance_px, evidence.freedom),
-          byChance(distance.axis_deg, distance.axis_sigma_deg, options.axis_tolerance_deg,
-                   evidence.freedom)};
+      distance.refused > kNegligibleRim && distance.offset.noise <= options.tolerance_px;
+  return {refuses ? 0.0
+                  : chanceBeyond(distance.offset.length(), distance.offset.sigma(),
+                                 options.tolerance_px, evidence.freedom),
+          chanceBeyond(distance.axis_deg, distance.axis_sigma_deg, options.axis_tolerance_deg,
+                       evidence.freedom)};
 }
 
 // In the image's thirds.
@@ -105,7 +93,7 @@ std::string beyondMost(const Camera& calibration, const Evidence& evidence,
       formatted("beyond %.0f px from the centre, where few features are, ", radius_px);
   return place + (distance.refused > kNegligibleRim
                       ? formatted("%.0f %% of the features have no ray", 100.0 * distance.refused)
-                      : formatted("it is off by %.1f px rms", distance.px()));
+                      : formatted("it is off by %.1f px rms", distance.offset.length()));
 }
 
 void findCause(const Camera& calibration, const Evidence& evidence, const ImageWeights& inner,
@@ -140,19 +128,19 @@ void explainAxis(const Chances& chances, const AuditOptions& options, AuditRepor
   }
 }
 
-// Where the video does not tell the axis, it does not count.
+// Where the video does not tell the axis to a third of its tolerance, it does not count.
 bool isGood(const AuditReport& report, const AuditOptions& options) {
-  return report.distance_px <= options.tolerance_px &&
-         report.sigma_px <= kMaxSigma * options.tolerance_px &&
+  return isTolerable(report.distance_px, report.at_most_px, options) &&
          (report.axis_deg <= options.axis_tolerance_deg ||
-          report.axis_sigma_deg > kMaxSigma * options.axis_tolerance_deg);
+          report.axis_sigma_deg > options.axis_tolerance_deg / 3.0);
 }
 
 AuditReport figuresOf(const EstimateDistance& distance, const AuditOptions& options) {
   AuditReport report;
   report.tolerance_px = options.tolerance_px;
-  report.distance_px = distance.px();
-  report.sigma_px = distance.sigma_px;
+  report.distance_px = distance.offset.length();
+  report.sigma_px = distance.offset.sigma();
+  report.at_most_px = distance.offset.atMost();
   report.axis_deg = distance.axis_deg;
   report.axis_sigma_deg = distance.axis_sigma_deg;
   report.refused = distance.refused;
@@ -161,15 +149,16 @@ AuditReport figuresOf(const EstimateDistance& distance, const AuditOptions& opti
 
 // Why it is neither GOOD nor WRONG.
 void explainDoubt(const Evidence& evidence, const LensFitReport& fit, AuditReport* report) {
-  const double max_sigma_px = kMaxSigma * report->tolerance_px;
-  if (!(report->sigma_px <= max_sigma_px)) {
-    report->reason =
-        formatted("the video determines the lens to %.2f px where features are (needed: %.2f px)",
-                  report->sigma_px, max_sigma_px);
+  const double needed_px = kAccepted * report->tolerance_px;
+  if (!(report->at_most_px <= needed_px)) {
+    report->reason = formatted(
+        "the video only tells that it is off by less than %.2f px where features are (needed: %.2f "
+        "px)",
+        report->at_most_px, needed_px);
   } else {
     report->reason = "the distance is too close to the tolerance";
   }
-  if (evidence.misfit_px > max_sigma_px) {
+  if (3.0 * evidence.misfit_px > needed_px) {  // by itself, to three sigma
     report->hint = "no motion would help, since " + fit.better + " fits the lens better than " +
                    fit.model + ": choose that model, or auto";
     return;
@@ -197,6 +186,10 @@ std::string offText(const AuditReport& report) {
 std::string toString(AuditVerdict verdict) {
   const char* const names[] = {"GOOD", "WRONG", "CANNOT_TELL"};
   return names[static_cast<int>(verdict)];
+}
+
+bool isTolerable(double distance_px, double at_most_px, const AuditOptions& options) {
+  return distance_px <= options.tolerance_px && at_most_px <= kAccepted * options.tolerance_px;
 }
 
 AuditReport audit(const Camera& calibration, const CalibrationReport& live,

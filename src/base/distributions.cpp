@@ -24,6 +24,15 @@ double fExceedance(double value, double numerator_freedom, double denominator_fr
   return boost::math::ibeta(0.5 * denominator_freedom, 0.5 * numerator_freedom, x);
 }
 
+double chanceBeyond(double value, double sigma, double limit, double freedom) {
+  if (!std::isfinite(value)) return 1.0;
+  if (!(sigma > 0.0)) return value > limit ? 0.0 : 1.0;
+  const double t = (value - limit) / sigma;
+  const double both =
+      freedom > 0.0 ? fExceedance(t * t, 1.0, freedom) : chiSquareExceedance(t * t, 1.0);
+  return t > 0.0 ? 0.5 * both : 1.0 - 0.5 * both;
+}
+
 double falseAlarms(double tests, int found, int candidates, double by_chance) {
   if (found <= 0) return tests;
   if (found > candidates) return 0.0;

@@ -50,11 +50,6 @@ void addAxis(const Eigen::Quaterniond& rotation, const CompensatedGrid& derivati
 
 }  // namespace
 
-double EstimateDistance::px() const {
-  if (!std::isfinite(found_px)) return found_px;
-  return std::sqrt(std::max(0.0, found_px * found_px - noise_px * noise_px));
-}
-
 EstimateDistance distanceFromEstimate(const Camera& estimate, const IntrinsicsMatrix& covariance,
                                       const Camera& calibration, const ImageWeights& weights) {
   EstimateDistance distance;
@@ -67,13 +62,11 @@ EstimateDistance distanceFromEstimate(const Camera& estimate, const IntrinsicsMa
   if (grid.empty() || derivatives.points.size() != grid.size()) return distance;
   addOffsets(grid, calibration, best.rotation, &distance);
   const IntrinsicsMatrix squares = derivatives.metric() * covariance;
-  distance.noise_px = std::sqrt(squares.trace());
+  distance.offset.noise = std::sqrt(squares.trace());
   if (!std::isfinite(best.error.rms)) return distance;
   const Intrinsics g = slope(derivatives, grid, calibration, best.rotation);
   const double variance = 4.0 * g.dot(covariance * g) + 2.0 * (squares * squares).trace();
-  distance.found_px = best.error.rms;
-  // Of the square; where the distance is lost in the noise, that is what it could be.
-  distance.sigma_px = std::sqrt(variance) / (2.0 * std::max(best.error.rms, distance.noise_px));
+  distance.offset = {best.error.rms * best.error.rms, squares.trace(), variance};
   addAxis(best.rotation, derivatives, covariance, &distance);
   return distance;
 }

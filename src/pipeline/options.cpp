@@ -30,9 +30,13 @@ Options Options::withHeld(const Camera& camera) const {
   return held;
 }
 
-double Options::convergedRms(int width) const {
+double convergedRms(double asked_px, int width) {
   constexpr double kPixelsPerWidth = 1.0 / 640.0;
-  return converged_pixel_rms > 0.0 ? converged_pixel_rms : kPixelsPerWidth * width;
+  return asked_px > 0.0 ? asked_px : kPixelsPerWidth * width;
+}
+
+double Options::convergedRms(int width) const {
+  return camera_self_calibration::convergedRms(converged_pixel_rms, width);
 }
 
 bool setRollingShutter(const std::string& text, Options* options) {

@@ -274,11 +274,10 @@ double sigmaAlong(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covarian
 }
 
 double chanceOf(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covariance) {
-  const Solved result = [&] {
-    const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse(covariance);
-    return Solved{vector.dot(inverse.solve(vector)), static_cast<int>(inverse.rank()), {}};
-  }();
-  return result.rank > 0 ? chiSquareExceedance(std::max(0.0, result.square), result.rank) : 1.0;
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> inverse(covariance);
+  const auto rank = static_cast<int>(inverse.rank());
+  const double square = vector.dot(inverse.solve(vector));
+  return rank > 0 ? chiSquareExceedance(std::max(0.0, square), rank) : 1.0;
 }
 
 }  // namespace

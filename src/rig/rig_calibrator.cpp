@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 #include <map>
+#include <memory>
 #include <numeric>
 
 #include "camera_self_calibration/base/angle.h"
@@ -383,12 +384,33 @@ std::string RigCalibrator::refine() {
   return solve() ? "" : "no poses of the cameras explain all tracks together";
 }
 
+void RigCalibrator::addShared(RigEvidence* evidence) const {
+  const RigFrame* example = nullptr;
+  std::ptrdiff_t most = 0;
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    const std::vector<SharedView> shared = sharedViews(segments_[s]);
+    evidence->shared.insert(evidence->shared.end(), shared.begin(), shared.end());
+    for (const RigFrame& frame : used_[s]) {
+      const auto count = std::count_if(shared.begin(), shared.end(), [&](const SharedView& view) {
+        return view.stamp_ns == frame.stamp_ns;
+      });
+      if (count <= most) continue;
+      most = count;
+      example = &frame;
+    }
+  }
+  if (example == nullptr) return;
+  evidence->example_ns = example->stamp_ns;
+  for (const RigView& view : example->views) evidence->example.push_back(view.image);
+}
+
 RigEstimate RigCalibrator::estimate(std::vector<Camera> cameras) {
   rig_.rig_from_camera.assign(cameras.size(), Rigid3());
   rig_.cameras = std::move(cameras);
   RigEstimate failed;
   failed.sentence = start();
   if (!failed.sentence.empty()) return failed;
+  const Rig before = rig_;
   makeSegments();
   failed.sentence = refine();
   if (!failed.sentence.empty()) return failed;
@@ -397,8 +419,14 @@ RigEstimate RigCalibrator::estimate(std::vector<Camera> cameras) {
     failed.sentence = "motion and features do not tell the rig";
     return failed;
   }
-  RigEstimate estimate = describeRig(rig_, RigLayout(rig_, options_.solve), *covariance,
-                                     underOtherLenses(), options_.baseline_m, &segments_);
+  auto evidence = std::make_shared<RigEvidence>();
+  evidence->before = before;
+  evidence->features = featuresOf(rig_, segments_);
+  addShared(evidence.get());
+  RigEstimate estimate =
+      describeRig(rig_, RigLayout(rig_, options_.solve), *covariance, underOtherLenses(),
+                  options_.baseline_m, evidence->features, &segments_);
+  estimate.evidence = std::move(evidence);
   judgeClocks(&estimate);
   return estimate;
 }

@@ -9,6 +9,7 @@
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/map/inverse_depth.h"
+#include "camera_self_calibration/pipeline/options.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -36,7 +37,8 @@ Eigen::Matrix3d relativeCovariance(const Rig& rig, const RigLayout& layout, int 
 }
 
 // What another lens model says differently is one sigma.
-void addDoubt(const Rig& rig, const Rig& other, double unit, std::vector<PlaceInRig>* places) {
+void addDoubt(const Rig& rig, const Rig& other, double unit,
+              const std::vector<ImageWeights>& features, std::vector<PlaceInRig>* places) {
   const auto relative = [](const Rig& of, int c) {
     return Eigen::Vector3d(of.rig_from_camera[c].translation /
                            of.rig_from_camera[1].translation.norm());
@@ -47,6 +49,8 @@ void addDoubt(const Rig& rig, const Rig& other, double unit, std::vector<PlaceIn
     const Eigen::Vector3d shift = unit * (relative(other, c) - relative(rig, c));
     (*places)[c].rotation_covariance += turn * turn.transpose();
     (*places)[c].position_covariance += shift * shift.transpose();
+    const PlaceVector difference = placeDifference(rig, other, c, features);
+    (*places)[c].difference_covariance += difference * difference.transpose();
   }
 }
 
@@ -104,15 +108,14 @@ double PlaceInRig::directionSigma(const Eigen::Vector3d& position) const {
   return largestSigma(across * position_covariance * across) / length;
 }
 
-double pixelLimit(const Camera& camera) { return camera.width() / 640.0; }
-
 RigLimits rigLimits(const Camera& camera) {
-  const double pixels = pixelLimit(camera);
-  return {pixels / camera.parameters()(0), pixels / (0.1 * camera.width())};
+  const double pixels = convergedRms(0.0, camera.width());
+  return {pixels / camera.parameters()(0), pixels / (kTypicalDisparity * camera.width())};
 }
 
 RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::MatrixXd& covariance,
                         const std::optional<Rig>& other, std::optional<double> baseline_m,
+                        const std::vector<ImageWeights>& features,
                         std::vector<RigSegment>* segments) {
   RigEstimate estimate;
   estimate.usable = true;
@@ -125,9 +128,11 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
     place.rotation_covariance = covariance.block<3, 3>(layout.pose_at[c], layout.pose_at[c]);
     place.position_known = unit_known && positionKnown(rig, layout, c, covariance);
     place.position_covariance = unit * unit * relativeCovariance(rig, layout, c, covariance);
+    const auto j = placeJacobian(rig, layout, c, features);
+    place.difference_covariance = j * covariance * j.transpose();
   }
   describeLenses(rig, layout, covariance, other, &estimate);
-  if (other) addDoubt(rig, *other, unit, &estimate.places);
+  if (other) addDoubt(rig, *other, unit, features, &estimate.places);
   estimate.metric = unit_known && baseline_m;
   if (unit_known) {
     const double factor = unit / rig.rig_from_camera[1].translation.norm();

@@ -6,6 +6,8 @@
 
 #include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
+#include "camera_self_calibration/pipeline/options.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -227,7 +229,7 @@ std::string RigSession::textOf(const MountChange& change) const {
                       report_.estimate.metric ? "m" : "distances between the first two cameras");
   }
   const std::string others = lenses_.size() == 2 ? nameOf(0) : "the others";
-  const double seconds = 1e-9 * static_cast<double>(change.onset_ns - first_ns_.value_or(0));
+  const double seconds = toSeconds(change.onset_ns - first_ns_.value_or(0));
   return text + formatted(" against %s at %.1f s", others.c_str(), seconds);
 }
 
@@ -293,8 +295,7 @@ void RigSession::judge(RigReport* report) const {
   }
   for (std::size_t c = 0; c < lenses_.size(); ++c) {
     const CalibrationReport& lens = lenses_[c];
-    const double limit =
-        options_.converged_pixel_rms > 0.0 ? options_.converged_pixel_rms : pixelLimit(lens.camera);
+    const double limit = convergedRms(options_.converged_pixel_rms, lens.camera.width());
     const CalibrationReport joint = withJointIntrinsics(lens, estimate, static_cast<int>(c), limit);
     if (joint.state == CalibrationState::kConverged) continue;
     const bool alone = lens.state != CalibrationState::kConverged;

@@ -27,7 +27,10 @@ std::string cameraText(const RigNodeOptions& options, int camera) {
 
 RigCalibrationNode::RigCalibrationNode(const ros::NodeHandle& node,
                                        const ros::NodeHandle& private_node, const std::string& name)
-    : node_(node), private_node_(private_node), updater_(node, private_node, name) {
+    : node_(node),
+      private_node_(private_node),
+      log_(private_node.getNamespace()),
+      updater_(node, private_node, name) {
   RigNodeOptionsReading reading = readRigNodeOptions(private_node_);
   options_ = std::move(reading.options);
   for (std::string& topic : options_.image_topics) topic = node_.resolveName(topic);
@@ -35,13 +38,12 @@ RigCalibrationNode::RigCalibrationNode(const ros::NodeHandle& node,
   updater_.add("rig", this, &RigCalibrationNode::describe);
   timer_ = private_node_.createWallTimer(
       ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { updater_.force_update(); });
-  for (const std::string& warning : reading.warnings) {
-    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
-  }
+  for (const std::string& warning : reading.warnings) log_.warn(warning);
   if (reading.problems.empty()) {
     start(name);
   } else {
-    stayIdle(reading.problems);
+    idle_ = idleSentence(reading.problems);
+    log_.idle(reading.problems);
   }
 }
 
@@ -97,16 +99,6 @@ void RigCalibrationNode::addPort(int camera) {
   ports_.push_back(std::move(port));
 }
 
-void RigCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
-  std::string text;
-  for (const std::string& problem : problems) {
-    text += "\n  - " + withFullStop(problem);
-    problems_ += (problems_.empty() ? "" : " ") + withFullStop(problem);
-  }
-  ROS_ERROR_STREAM(private_node_.getNamespace()
-                   << ": idle, since the parameters cannot be used:" << text);
-}
-
 void RigCalibrationNode::onImage(int camera, InputImage image) {
   Port& port = *ports_[camera];
   const std::string foreign = port.watch.check(image.publisher);
@@ -114,7 +106,7 @@ void RigCalibrationNode::onImage(int camera, InputImage image) {
   std::string problem = port.publisher->publish(image);
   const InputVerdict verdict = port.monitor.check(image.gray);
   if (verdict != InputVerdict::kUse) problem = port.monitor.counts().last_problem;
-  if (!problem.empty()) warnThrottled(cameraText(options_, camera) + ": " + problem);
+  if (!problem.empty()) log_.warnThrottled(cameraText(options_, camera) + ": " + problem);
   const bool usable = verdict != InputVerdict::kReject;
   const bool dropped = usable && !calibrator_->process(camera, *image.gray.view);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -127,9 +119,7 @@ void RigCalibrationNode::onImage(int camera, InputImage image) {
 // From the threads of all cameras and that of the joint solutions.
 void RigCalibrationNode::onReport(const RigReport& report) {
   const std::lock_guard<std::mutex> one_at_a_time(report_mutex_);
-  for (const std::string& warning : camera_info_->update(report)) {
-    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
-  }
+  for (const std::string& warning : camera_info_->update(report)) log_.warn(warning);
   const bool converged = report.state == CalibrationState::kConverged;
   if (converged && published_revision_ != report.revision) {
     publishPlaces(report);
@@ -182,8 +172,7 @@ void RigCalibrationNode::publishPlaces(const RigReport& report) {
 void RigCalibrationNode::raise(const Event& event, const std::string& who) {
   Event told = event;
   told.sentence = who + ": " + event.sentence;
-  ROS_INFO_STREAM(private_node_.getNamespace()
-                  << ": " << toString(event.type) << ": " << told.sentence);
+  log_.info(toString(event.type) + ": " + told.sentence);
   CalibrationEvent message = toCalibrationEvent(told, event.epoch);
   message.header.stamp = toRosTime(event.stamp_ns);
   message.header.frame_id = frameOf(0);
@@ -205,9 +194,7 @@ CalibrationStore::Outcome RigCalibrationNode::saveTo(RigStore* store, const RigR
     infos.push_back(camera_info_->infoFor(c, std_msgs::Header(), camera.width(), camera.height()));
   }
   const CalibrationStore::Outcome outcome = store->save(report, infos);
-  if (!outcome.success) {
-    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << outcome.message);
-  }
+  if (!outcome.success) log_.warn(outcome.message);
   const std::lock_guard<std::mutex> lock(mutex_);
   saving_ = outcome.message;
   saving_failed_ = !outcome.success;
@@ -236,7 +223,7 @@ std::string RigCalibrationNode::inputProblem() {
 
 void RigCalibrationNode::describe(diagnostic_updater::DiagnosticStatusWrapper& status) {
   if (!calibrator_) {
-    status.summary(DiagnosticStatus::ERROR, "Idle, the parameters cannot be used: " + problems_);
+    status.summary(DiagnosticStatus::ERROR, idle_);
     return;
   }
   const RigReport report = calibrator_->report();
@@ -272,13 +259,6 @@ void RigCalibrationNode::describe(diagnostic_updater::DiagnosticStatusWrapper& s
       status.add(name + " place", placeText(report.estimate, c));
     }
   }
-}
-
-void RigCalibrationNode::warnThrottled(const std::string& text) {
-  const ros::WallTime now = ros::WallTime::now();
-  if (!last_warning_.isZero() && now - last_warning_ < ros::WallDuration(5.0)) return;
-  last_warning_ = now;
-  ROS_WARN_STREAM(private_node_.getNamespace() << ": " << text);
 }
 
 }  // namespace camera_self_calibration

@@ -11,7 +11,7 @@ namespace {
 /// and direction of the baseline (rows of what is as near as RigLimits takes it) or its length.
 bool differVisibly(const Rig& a, const Rig& b, double pixels) {
   const RigLimits limits = rigLimits(a.cameras.front());
-  const double pixel = pixelLimit(a.cameras.front());
+  const double pixel = convergedRms(0.0, a.cameras.front().width());
   const Eigen::Vector3d& t_a = a.rig_from_camera[1].translation;
   const Eigen::Vector3d& t_b = b.rig_from_camera[1].translation;
   const double turn =

@@ -102,19 +102,13 @@ std::vector<std::string> RigNodeOptions::problems() const {
 }
 
 RigNodeOptionsReading readRigNodeOptions(const ros::NodeHandle& private_node) {
-  RigNodeOptionsReading reading;
+  RigNodeOptions options;
   ParameterReader reader(private_node);
-  read(reader, &reading.options);
-  RigNodeOptions& options = reading.options;
+  read(reader, &options);
   for (int c = 0; options.camera_names.empty() && c < options.cameras(); ++c) {
     options.camera_names.push_back(formatted("cam%d", c));
   }
-  reading.problems = reader.problems();
-  reading.warnings = reader.unknown();
-  reading.known = reader.known();
-  const std::vector<std::string> violated = options.problems();
-  reading.problems.insert(reading.problems.end(), violated.begin(), violated.end());
-  return reading;
+  return readingOf(reader, std::move(options));
 }
 
 }  // namespace camera_self_calibration

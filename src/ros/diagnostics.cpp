@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/ros/node_log.h"
 
 namespace camera_self_calibration {
 
@@ -61,11 +62,7 @@ Diagnostics::Diagnostics(const ros::NodeHandle& node, const ros::NodeHandle& pri
 
 void Diagnostics::setProblems(const std::vector<std::string>& problems) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  problems_.clear();
-  for (const std::string& problem : problems) {
-    // Not a capital letter: they begin with the name of a parameter.
-    problems_ += (problems_.empty() ? "" : " ") + withFullStop(problem);
-  }
+  idle_ = idleSentence(problems);
 }
 
 void Diagnostics::setStorageProblems(const std::vector<std::string>& problems) {
@@ -133,8 +130,8 @@ void Diagnostics::update(const Event& event) {
 void Diagnostics::publish() { updater_.force_update(); }
 
 bool Diagnostics::addProblems(Status* status) const {
-  if (problems_.empty()) return false;
-  status->summary(DiagnosticStatus::ERROR, "Idle, the parameters cannot be used: " + problems_);
+  if (idle_.empty()) return false;
+  status->summary(DiagnosticStatus::ERROR, idle_);
   return true;
 }
 

@@ -139,17 +139,12 @@ void readPipelineOptions(ParameterReader& read, NodeOptions* options) {
 }
 
 NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node) {
-  NodeOptionsReading reading;
+  NodeOptions options;
   ParameterReader read(private_node);
-  readPipelineOptions(read, &reading.options);
-  readInterface(read, &reading.options);
-  readKeeping(read, &reading.options);
-  reading.problems = read.problems();
-  reading.warnings = read.unknown();
-  reading.known = read.known();
-  const std::vector<std::string> violated = reading.options.problems();
-  reading.problems.insert(reading.problems.end(), violated.begin(), violated.end());
-  return reading;
+  readPipelineOptions(read, &options);
+  readInterface(read, &options);
+  readKeeping(read, &options);
+  return readingOf(read, std::move(options));
 }
 
 }  // namespace camera_self_calibration

@@ -2,7 +2,6 @@
 
 #include <image_transport/camera_common.h>
 
-#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/plausibility.h"
 #include "camera_self_calibration/ros/file_parameters.h"
 #include "camera_self_calibration/ros/mask_file.h"
@@ -42,7 +41,7 @@ CameraInfoOptions cameraInfoOptions(const NodeOptions& options) {
 SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
                                          const ros::NodeHandle& private_node,
                                          const std::string& name)
-    : node_(node), private_node_(private_node) {
+    : node_(node), private_node_(private_node), log_(private_node.getNamespace()) {
   const NodeOptionsReading reading = readNodeOptions(private_node_);
   options_ = reading.options;
   camera_info_policy_ = std::make_unique<CameraInfoPolicy>(cameraInfoOptions(options_));
@@ -53,9 +52,7 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   diagnostics_->setTopic(input_->topic());
   diagnostics_timer_ = private_node_.createWallTimer(
       ros::WallDuration(1.0), [this](const ros::WallTimerEvent&) { diagnostics_->publish(); });
-  for (const std::string& warning : reading.warnings) {
-    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
-  }
+  for (const std::string& warning : reading.warnings) log_.warn(warning);
   std::vector<std::string> problems = reading.problems;
   for (const std::string& problem : namingProblems(node_, private_node_)) {
     problems.push_back(problem);
@@ -103,10 +100,7 @@ SelfCalibrationNode::~SelfCalibrationNode() {
 }
 
 void SelfCalibrationNode::stayIdle(const std::vector<std::string>& problems) {
-  std::string text;
-  for (const std::string& problem : problems) text += "\n  - " + withFullStop(problem);
-  ROS_ERROR_STREAM(private_node_.getNamespace()
-                   << ": idle, since the parameters cannot be used:" << text);
+  log_.idle(problems);
   diagnostics_->setProblems(problems);
   input_->shutdown();
 }
@@ -120,7 +114,7 @@ void SelfCalibrationNode::onImage(const InputImage& image) {
     return;
   }
   const std::string problem = camera_publisher_->publish(image);
-  if (!problem.empty()) warnThrottled(problem);
+  if (!problem.empty()) log_.warnThrottled(problem);
   const InputVerdict verdict = check(image);
   if (verdict == InputVerdict::kNewSize) {
     beginAnew(monitor_.counts().last_problem, image.header.stamp);
@@ -138,7 +132,7 @@ void SelfCalibrationNode::onImage(const InputImage& image) {
 InputVerdict SelfCalibrationNode::check(const InputImage& image) {
   const InputVerdict verdict = monitor_.check(image.gray);
   diagnostics_->update(monitor_.counts());
-  if (verdict != InputVerdict::kUse) warnThrottled(monitor_.counts().last_problem);
+  if (verdict != InputVerdict::kUse) log_.warnThrottled(monitor_.counts().last_problem);
   const std::string notice = monitor_.takeNotice();
   const std::int64_t stamp_ns = toNanoseconds(image.header.stamp);
   if (!notice.empty()) raise({EventType::kInput, stamp_ns, stamp_ns, notice});
@@ -158,9 +152,9 @@ bool SelfCalibrationNode::ready() {
   }
   if (start.wait) return false;
   if (start.warning) {
-    ROS_WARN_STREAM(private_node_.getNamespace() << ": " << start.sentence);
+    log_.warn(start.sentence);
   } else if (!start.sentence.empty()) {
-    ROS_INFO_STREAM(private_node_.getNamespace() << ": " << start.sentence);
+    log_.info(start.sentence);
   }
   if (!begin(start.camera)) return false;
   if (kept.state) session_->calibrator()->restore(kept.state);
@@ -194,8 +188,7 @@ void SelfCalibrationNode::beginAnew(const std::string& what, const ros::Time& st
 }
 
 void SelfCalibrationNode::raise(const Event& event) {
-  ROS_INFO_STREAM(private_node_.getNamespace()
-                  << ": " << toString(event.type) << ": " << event.sentence);
+  log_.info(toString(event.type) + ": " + event.sentence);
   visualizer_->add(event);
   diagnostics_->update(event);
   results_->publish(event);
@@ -211,7 +204,7 @@ Callbacks SelfCalibrationNode::callbacks() {
   };
   callbacks.calibration = [this](const CalibrationReport& report) {
     const std::string warning = camera_info_policy_->update(report);
-    if (!warning.empty()) ROS_WARN_STREAM(private_node_.getNamespace() << ": " << warning);
+    if (!warning.empty()) log_.warn(warning);
     diagnostics_->update(report);
     if (factory_) factory_->update(report);
     size_memory_->update(report);
@@ -223,13 +216,6 @@ Callbacks SelfCalibrationNode::callbacks() {
     visualizer_->add(view.map_id, view.camera, view.newest);
   };
   return callbacks;
-}
-
-void SelfCalibrationNode::warnThrottled(const std::string& text) {
-  const ros::WallTime now = ros::WallTime::now();
-  if (!last_warning_.isZero() && now - last_warning_ < ros::WallDuration(5.0)) return;
-  last_warning_ = now;
-  ROS_WARN_STREAM(private_node_.getNamespace() << ": " << text);
 }
 
 }  // namespace camera_self_calibration

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <map>
 #include <stdexcept>
 
 #include "camera_self_calibration/tools/bag_state.h"
@@ -14,6 +15,7 @@
 #include "camera_self_calibration/tools/interruption.h"
 #include "camera_self_calibration/tools/report_html.h"
 #include "camera_self_calibration/tools/report_text.h"
+#include "camera_self_calibration/tools/rig_report.h"
 #include "camera_self_calibration/tools/rig_results.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
 #include "command_line.h"
@@ -36,18 +38,30 @@ int exitCode(CalibrationState state) {
   return state == CalibrationState::kConverged ? kConverged : kNotConverged;
 }
 
+int exitCode(AuditVerdict verdict) {
+  const std::map<AuditVerdict, int> codes = {{AuditVerdict::kGood, kConverged},
+                                             {AuditVerdict::kWrong, kWrong},
+                                             {AuditVerdict::kCannotTell, kCannotTell}};
+  return codes.at(verdict);
+}
+
 int exitCode(const Recording& recording) {
-  if (recording.audit) {
-    switch (recording.audit->verdict) {
-      case AuditVerdict::kGood:
-        return kConverged;
-      case AuditVerdict::kWrong:
-        return kWrong;
-      case AuditVerdict::kCannotTell:
-        return kCannotTell;
-    }
-  }
-  return exitCode(recording.final_report.state);
+  return recording.audit ? exitCode(recording.audit->verdict)
+                         : exitCode(recording.final_report.state);
+}
+
+std::string nowText() { return timeText(1000000000LL * std::time(nullptr)); }
+
+void writePage(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream file(path);
+  file << text;
+  if (!file.flush()) throw std::runtime_error(path.string() + " cannot be written");
+}
+
+RunDescription describe(const CalibrateBagArguments& arguments, const std::string& topic,
+                        const Recording& recording) {
+  return {arguments.source.path, topic, arguments.given,
+          arguments.options.convergedRms(recording.final_report.camera.width()), nowText()};
 }
 
 void write(const CalibrateBagArguments& arguments, const std::string& name,
@@ -61,13 +75,23 @@ void write(const CalibrateBagArguments& arguments, const std::string& name,
     writeBatchFigures(arguments.out, recording.reports, recording.batch, recording.reference);
   }
   if (!arguments.report) return;
-  const std::string path = (std::filesystem::path(arguments.out) / "report.html").string();
-  std::ofstream file(path);
-  const double limit = arguments.options.convergedRms(recording.final_report.camera.width());
-  file << reportHtml({arguments.source.path, name, arguments.given, limit,
-                      timeText(1000000000LL * std::time(nullptr))},
-                     recording, trajectory, arguments.ground_truth);
-  if (!file.flush()) throw std::runtime_error(path + " cannot be written");
+  writePage(std::filesystem::path(arguments.out) / "report.html",
+            reportHtml(describe(arguments, name, recording), recording, trajectory,
+                       arguments.ground_truth));
+}
+
+/// A page of the rig, and one of each camera beside its files.
+void writeReports(const CalibrateBagArguments& arguments, const RigRecording& recording,
+                  const std::optional<TrajectoryDifference>& truth) {
+  const std::filesystem::path folder(arguments.out);
+  for (std::size_t c = 0; c < recording.cameras.size(); ++c) {
+    const Recording& camera = recording.cameras[c];
+    writePage(folder / cameraFolder(static_cast<int>(c)) / "report.html",
+              reportHtml(describe(arguments, recording.topics[c], camera), camera, {}, {}));
+  }
+  writePage(folder / "report.html",
+            rigReportHtml({arguments.source.path, "", arguments.given, 0.0, nowText()}, recording,
+                          truth, arguments.ground_truth));
 }
 
 void writeState(const CalibrateBagArguments& arguments, const std::string& camera,
@@ -78,6 +102,11 @@ void writeState(const CalibrateBagArguments& arguments, const std::string& camer
             << (recording.complete ? "the bag did not determine the lens" : kPartial) << '\n';
 }
 
+void sayWhere(const CalibrateBagArguments& arguments) {
+  std::cout << "Results are in " << arguments.out
+            << (arguments.report ? "; open report.html there" : "") << ".\n";
+}
+
 void warnOfTruth(const CalibrateBagArguments& arguments,
                  const std::optional<TrajectoryDifference>& truth) {
   if (arguments.ground_truth.empty() || truth) return;
@@ -86,19 +115,23 @@ void warnOfTruth(const CalibrateBagArguments& arguments,
 
 int runRig(const CalibrateBagArguments& arguments) {
   if (!arguments.out.empty()) std::filesystem::create_directories(arguments.out);
-  const RigRecording recording = calibrateRig(arguments.source, arguments.topics, arguments.options,
-                                              arguments.baseline_m, interrupted);
+  RigExtras extras = arguments.rig;
+  extras.stop = interrupted;
+  const RigRecording recording =
+      calibrateRig(arguments.source, arguments.topics, arguments.options, extras);
   const auto truth =
       compareTrajectories({recording.poses.begin(), recording.poses.end()}, arguments.ground_truth);
   std::cout << rigText(recording) << rigTrajectoryText(truth, recording.estimate.metric);
   warnOfTruth(arguments, truth);
   if (!arguments.out.empty()) {
     for (const std::string& note : writeRig(arguments.out, recording)) std::cout << note << '\n';
-    std::cout << "Results are in " << arguments.out << ".\n";
+    if (arguments.report) writeReports(arguments, recording, truth);
+    sayWhere(arguments);
   }
   if (!recording.complete) return kInterrupted;
   const auto empty = [](const Recording& camera) { return camera.frames == 0; };
   if (std::any_of(recording.cameras.begin(), recording.cameras.end(), empty)) return kNoImages;
+  if (recording.audit) return exitCode(recording.audit->verdict());
   return recording.converged() ? kConverged : kNotConverged;
 }
 
@@ -136,8 +169,7 @@ int run(const CalibrateBagArguments& arguments) {
   warnOfTruth(arguments, trajectory.truth);
   if (!arguments.out.empty()) {
     write(arguments, source.name, recording, trajectory);
-    std::cout << "Results are in " << arguments.out
-              << (arguments.report ? "; open report.html there" : "") << ".\n";
+    sayWhere(arguments);
   }
   if (!arguments.state_out.empty()) writeState(arguments, camera, recording);
   if (!recording.complete) {

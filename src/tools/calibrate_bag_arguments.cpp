@@ -65,8 +65,8 @@ void addComparisons(CalibrateBagArguments* arguments, po::options_description* a
     ("reference-calibration", po::value<std::string>(),
      "a known calibration (file as --initial): run a second time with it held and compare")
     ("audit", po::value<std::string>(),
-     "a calibration (any format that convert_calibration reads): is it still right? GOOD, WRONG with "
-     "the likely cause, or CANNOT TELL with a motion that would decide")
+     "a calibration (any format that convert_calibration reads; of a rig Kalibr's camchain): is it still "
+     "right? GOOD, WRONG with the likely cause, or CANNOT TELL with a motion that would decide")
     ("audit-camera", po::value<std::string>(), "which camera of the --audit file, if there are several")
     ("audit-tolerance", po::value(&arguments->extras.audit.tolerance_px)->default_value(
          arguments->extras.audit.tolerance_px),
@@ -183,40 +183,48 @@ void readAudited(const po::variables_map& given, CalibrateExtras* extras) {
     throw std::runtime_error("--audit-tolerance must be positive");
   }
   const bool named = given.count("audit-camera") > 0;
-  if (given.count("audit") > 0) {
+  if (given.count("audit") > 0 && given.count("topics") == 0) {
     extras->audited =
         readCalibration(given["audit"].as<std::string>(), std::nullopt,
                         named ? given["audit-camera"].as<std::string>() : std::string())
             .stored.camera;
-  } else if (named) {
+  } else if (named && given.count("audit") == 0) {
     throw std::runtime_error("--audit-camera needs a file: give --audit CALIBRATION");
   }
 }
 
 /// What a rig has no answer to is refused rather than ignored.
 void readRig(const po::variables_map& given, CalibrateBagArguments* arguments) {
-  if (given.count("baseline") > 0) arguments->baseline_m = given["baseline"].as<double>();
+  RigExtras& rig = arguments->rig;
+  if (given.count("baseline") > 0) rig.baseline_m = given["baseline"].as<double>();
   const std::size_t cameras = arguments->topics.size();
   if (cameras == 0) {
-    if (!arguments->baseline_m) return;
+    if (!rig.baseline_m) return;
     throw std::runtime_error("--baseline is the distance between two cameras: give --topics A B");
   }
   if (cameras < 2 || cameras > 6) {
     throw std::runtime_error("--topics needs the image topics of two to six cameras");
   }
-  if (arguments->baseline_m &&
-      !(*arguments->baseline_m > 0.0 && std::isfinite(*arguments->baseline_m))) {
+  if (rig.baseline_m && !(*rig.baseline_m > 0.0 && std::isfinite(*rig.baseline_m))) {
     throw std::runtime_error("--baseline must be a positive number of metres");
   }
   for (const char* option :
-       {"topic", "state-out", "camera", "initial", "reference-calibration", "audit"}) {
+       {"topic", "state-out", "camera", "initial", "reference-calibration", "audit-camera"}) {
     if (given.count(option) == 0) continue;
     throw std::runtime_error(std::string("--") + option + " is for one camera; leave it out, or " +
                              "leave out --topics");
   }
-  if (arguments->report || arguments->extras.batch) {
-    throw std::runtime_error("--report and --batch are for one camera; leave out --topics");
+  if (arguments->extras.batch) {
+    throw std::runtime_error("--batch is for one camera; leave out --topics");
   }
+  rig.example = arguments->report;
+  rig.audit = arguments->extras.audit;
+  if (given.count("audit") == 0) return;
+  rig.audited = readRigCalibration(given["audit"].as<std::string>());
+  if (rig.audited->cameras.size() == cameras) return;
+  throw std::runtime_error(
+      formatted("the camchain of --audit holds %d cameras, and --topics names %zu",
+                rig.audited->size(), cameras));
 }
 
 void readComparisons(const po::variables_map& given, CalibrateBagArguments* arguments) {

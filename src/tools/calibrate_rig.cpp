@@ -111,6 +111,62 @@ std::string missing(const RigRecording& recording) {
   return {};
 }
 
+/// Each camera by itself.
+RigRecording eachCamera(const SourceOptions& source, const std::vector<std::string>& topics,
+                        const Options& options, const RigExtras& extras) {
+  RigRecording recording;
+  CalibrateExtras own;
+  own.stop = extras.stop;
+  own.example = extras.example;
+  own.audit = extras.audit;
+  for (ImageSource& images : openTopics(source, topics)) {
+    if (extras.audited) own.audited = extras.audited->cameras[recording.topics.size()];
+    recording.topics.push_back(images.name);
+    recording.cameras.push_back(calibrate(&images, options, own));
+    recording.complete = recording.complete && recording.cameras.back().complete;
+  }
+  return recording;
+}
+
+/// All of them, with the intrinsics that each has found.
+void together(const SourceOptions& source, const std::vector<std::string>& topics,
+              const Options& options, const RigExtras& extras, RigRecording* recording) {
+  RigOptions rig_options;
+  rig_options.baseline_m = extras.baseline_m;
+  rig_options.false_alarms_per_hour = options.false_alarms_per_hour;
+  rig_options.converged_pixel_rms = options.converged_pixel_rms;
+  rig_options.solve.threads = options.solver_threads;
+  std::vector<TimedPose> way;
+  const RigReport report =
+      follow(rig_options, options, extras.stop, openTopics(source, topics), recording, &way);
+  if (!recording->complete) return;
+  recording->estimate = report.estimate;
+  recording->mount_changes = report.mount_changes;
+  if (!recording->estimate.usable) {
+    recording->estimate.sentence = report.sentence;
+    return;
+  }
+  // What is not believed of the rig, as where clocks disagree, replaces nothing.
+  for (std::size_t c = 0; recording->estimate.converged && c < recording->cameras.size(); ++c) {
+    CalibrationReport& own = recording->cameras[c].final_report;
+    own = withJointIntrinsics(own, recording->estimate, static_cast<int>(c),
+                              options.convergedRms(own.camera.width()));
+  }
+  recording->poses = onRig(way, recording->estimate.poses);
+}
+
+void auditInto(const RigExtras& extras, RigRecording* recording) {
+  std::vector<AuditReport> lenses;
+  for (std::size_t c = 0; c < recording->cameras.size(); ++c) {
+    const Recording& camera = recording->cameras[c];
+    lenses.push_back(camera.audit.value_or(
+        audit(extras.audited->cameras[c], camera.final_report, extras.audit)));
+  }
+  recording->audited = extras.audited;
+  recording->audit =
+      auditRig(std::move(lenses), recording->estimate, *extras.audited, extras.audit);
+}
+
 }  // namespace
 
 bool RigRecording::converged() const {
@@ -121,41 +177,13 @@ bool RigRecording::converged() const {
 }
 
 RigRecording calibrateRig(const SourceOptions& source, const std::vector<std::string>& topics,
-                          const Options& options, std::optional<double> baseline_m,
-                          const std::function<bool()>& stop) {
-  RigRecording recording;
-  CalibrateExtras extras;
-  extras.stop = stop;
-  for (ImageSource& images : openTopics(source, topics)) {
-    recording.topics.push_back(images.name);
-    recording.cameras.push_back(calibrate(&images, options, extras));
-    recording.complete = recording.complete && recording.cameras.back().complete;
-  }
+                          const Options& options, const RigExtras& extras) {
+  RigRecording recording = eachCamera(source, topics, options, extras);
   recording.estimate.sentence = missing(recording);
-  if (!recording.estimate.sentence.empty() || !recording.complete) return recording;
-
-  RigOptions rig_options;
-  rig_options.baseline_m = baseline_m;
-  rig_options.false_alarms_per_hour = options.false_alarms_per_hour;
-  rig_options.converged_pixel_rms = options.converged_pixel_rms;
-  rig_options.solve.threads = options.solver_threads;
-  std::vector<TimedPose> way;
-  const RigReport report =
-      follow(rig_options, options, stop, openTopics(source, topics), &recording, &way);
-  if (!recording.complete) return recording;
-  recording.estimate = report.estimate;
-  recording.mount_changes = report.mount_changes;
-  if (!recording.estimate.usable) {
-    recording.estimate.sentence = report.sentence;
-    return recording;
+  if (recording.estimate.sentence.empty() && recording.complete) {
+    together(source, topics, options, extras, &recording);
   }
-  // What is not believed of the rig, as where clocks disagree, replaces nothing.
-  for (std::size_t c = 0; recording.estimate.converged && c < recording.cameras.size(); ++c) {
-    CalibrationReport& own = recording.cameras[c].final_report;
-    own = withJointIntrinsics(own, recording.estimate, static_cast<int>(c),
-                              options.convergedRms(own.camera.width()));
-  }
-  recording.poses = onRig(way, recording.estimate.poses);
+  if (extras.audited) auditInto(extras, &recording);
   return recording;
 }
 

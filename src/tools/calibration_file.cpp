@@ -18,6 +18,11 @@ namespace {
 // A calibration is a page of text; who gives a bag or an image by mistake need not wait.
 constexpr std::size_t kMaxBytes = 1 << 20;
 
+[[noreturn]] void throwUnusable(const std::string& path, const std::string& as,
+                                const std::string& why) {
+  throw std::runtime_error("the calibration file " + path + " cannot be used" + as + ": " + why);
+}
+
 std::string contents(const std::string& path) {
   if (std::filesystem::is_directory(path)) {
     throw std::runtime_error("the calibration file " + path + " is a folder");
@@ -34,8 +39,8 @@ std::string contents(const std::string& path) {
                               : text.size() > kMaxBytes ? "it is too long"
                               : !isText(text)           ? "it is no text"
                                                         : "";
-  if (problem.empty()) return text;
-  throw std::runtime_error("the calibration file " + path + " cannot be used: " + problem);
+  if (!problem.empty()) throwUnusable(path, "", problem);
+  return text;
 }
 
 CalibrationInFile parsed(const std::string& text, std::optional<CalibrationFormat> format,
@@ -94,9 +99,16 @@ CalibrationInFile readCalibration(const std::string& path, std::optional<Calibra
   try {
     return parsed(text, format, wanted);
   } catch (const std::exception& e) {
-    const std::string as = format ? " as " + toString(*format) : "";
-    throw std::runtime_error("the calibration file " + path + " cannot be used" + as + ": " +
-                             e.what());
+    throwUnusable(path, format ? " as " + toString(*format) : "", e.what());
+  }
+}
+
+Rig readRigCalibration(const std::string& path) {
+  const std::string text = contents(path);
+  try {
+    return parseRigCalibration(text);
+  } catch (const std::exception& e) {
+    throwUnusable(path, " for a rig", e.what());
   }
 }
 

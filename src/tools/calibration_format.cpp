@@ -177,6 +177,14 @@ StoredCalibration parseCalibration(const std::string& text, CalibrationFormat fo
   throw std::runtime_error("the format is not known");
 }
 
+Rig parseRigCalibration(const std::string& text) {
+  if (detectCalibrationFormat(text) != CalibrationFormat::kKalibr) {
+    throw std::runtime_error("it is no camchain of Kalibr, which says where the cameras sit");
+  }
+  refuseEndless(text);
+  return parseKalibrRig(withoutStorageHeader(text));
+}
+
 CameraFit storable(const Camera& camera, CalibrationFormat format) {
   const Camera plain = withoutIdleK3(camera);
   if (hasModel(format, plain)) return {plain, {}};

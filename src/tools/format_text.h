@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/rig/rig.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 
 // What the readers and writers of the formats share.
@@ -35,6 +36,9 @@ StoredCalibration parseOpenCv(const std::string& text, const std::string& wanted
 StoredCalibration parseColmap(const std::string& text, const std::string& wanted);
 StoredCalibration parseOrbSlam3(const std::string& text, const std::string& wanted);
 StoredCalibration parseVins(const std::string& text);
+
+/// All cameras of a camchain, with where they sit: throws where one has no T_cn_cnm1.
+Rig parseKalibrRig(const std::string& text);
 
 std::string rosText(const Camera& camera, const CalibrationLabels& labels);
 std::string plainText(const Camera& camera);

@@ -16,6 +16,7 @@ constexpr const char* kStyle = R"(
 body { font: 15px/1.5 "Helvetica Neue", Arial, "DejaVu Sans", sans-serif; color: var(--text);
   max-width: 1080px; margin: 0 auto; padding: 24px 20px 60px; background: var(--background); }
 h1 { font-size: 25px; margin: 0 0 4px; line-height: 1.25; overflow-wrap: anywhere; }
+a { color: inherit; }
 h2 { font-size: 19px; margin: 34px 0 4px; padding-top: 14px; border-top: 1px solid var(--grid); }
 p { margin: 4px 0 10px; max-width: 860px; overflow-wrap: break-word; }
 #run, figcaption, .card span, th { color: var(--faint-text); }
@@ -91,6 +92,10 @@ void HtmlPage::section(const std::string& heading, const std::string& text) {
 }
 
 void HtmlPage::paragraph(const std::string& text) { body_ += "<p>" + htmlEscaped(text) + "</p>\n"; }
+
+void HtmlPage::link(const std::string& text, const std::string& relative_path) {
+  body_ += "<p><a href=\"" + htmlEscaped(relative_path) + "\">" + htmlEscaped(text) + "</a></p>\n";
+}
 
 void HtmlPage::varying(const std::string& text) {
   body_ += "<p id=\"run\">" + htmlEscaped(text) + "</p>\n";

@@ -22,6 +22,9 @@ class HtmlPage {
   /// with <p id="run">.
   void varying(const std::string& text);
 
+  /// A line that leads to a page beside this one.
+  void link(const std::string& text, const std::string& relative_path);
+
   /// The line at the top: a coloured word and a sentence.
   void verdict(const std::string& word, const std::string& css_colour, const std::string& sentence);
 

@@ -77,6 +77,7 @@ Json auditJson(const AuditReport& audit) {
           {"hint", audit.hint},
           {"distance_px", audit.distance_px},
           {"sigma_px", audit.sigma_px},
+          {"at_most_px", audit.at_most_px},
           {"tolerance_px", audit.tolerance_px},
           {"p_value", audit.p_value},
           {"axis_deg", audit.axis_deg},

@@ -70,11 +70,6 @@ std::string fieldOfViewText(const Camera& camera) {
          "\u00b0 vertical, " + number(field.diagonal, 1) + "\u00b0 diagonal";
 }
 
-std::string nameOf(const std::string& path) {
-  const std::filesystem::path file(path);
-  return (file.has_filename() ? file : file.parent_path()).filename().string();
-}
-
 void addHead(const RunDescription& run, const Recording& recording, HtmlPage* page) {
   const CalibrationReport& report = recording.final_report;
   page->verdict(toString(report.state), cssColour(stateColour(report.state)),
@@ -186,17 +181,11 @@ void addExample(const Recording& recording, HtmlPage* page) {
         "The same, undistorted with this calibration, at most 120\u00b0 wide."}});
 }
 
-Colour auditColour(AuditVerdict verdict) {
-  return stateColour(verdict == AuditVerdict::kGood    ? CalibrationState::kConverged
-                     : verdict == AuditVerdict::kWrong ? CalibrationState::kDegenerate
-                                                       : CalibrationState::kInitializing);
-}
-
 void addAudit(const Recording& recording, HtmlPage* page) {
   if (!recording.audit) return;
   const AuditReport& audit = *recording.audit;
   page->section("Is the calibration in question still right?");
-  page->verdict(toString(audit.verdict), cssColour(auditColour(audit.verdict)),
+  page->verdict(toString(audit.verdict), cssColour(verdictColour(audit.verdict)),
                 asSentence(audit.sentence()) + " " + asSentence(audit.hint));
   const Camera& lens = recording.final_report.camera;
   const PixelDifference difference =
@@ -367,7 +356,11 @@ void addTrajectory(const Recording& recording, const TrajectoryResults& results,
     if (!row.empty()) rows.push_back(row);
   }
   if (rows.size() > 1) page->table(rows);
-  page->charts({{drawTrajectory(recording, ground_truth), "Path of the camera from above"}});
+  page->charts(
+      {{drawTrajectory({recording.poses.begin(), recording.poses.end()},
+                       {recording.reference_poses.begin(), recording.reference_poses.end()},
+                       ground_truth, "map units"),
+        "Path of the camera from above"}});
 }
 
 void addReference(const Recording& recording, HtmlPage* page) {
@@ -396,10 +389,15 @@ void addEvents(const Recording& recording, HtmlPage* page) {
 
 }  // namespace
 
+std::string inputName(const std::string& path) {
+  const std::filesystem::path file(path);
+  return (file.has_filename() ? file : file.parent_path()).filename().string();
+}
+
 std::string reportHtml(const RunDescription& run, const Recording& recording,
                        const TrajectoryResults& trajectory,
                        const std::vector<StampedCameraPose>& ground_truth) {
-  HtmlPage page("Camera calibration: " + nameOf(run.input));
+  HtmlPage page("Camera calibration: " + inputName(run.input));
   addHead(run, recording, &page);
   addAudit(recording, &page);
   addVerdict(run, recording, &page);

@@ -163,6 +163,12 @@ std::vector<Eigen::Vector2d> unobservedPixels(const Recording& recording) {
 
 }  // namespace
 
+Colour verdictColour(AuditVerdict verdict) {
+  return stateColour(verdict == AuditVerdict::kGood    ? CalibrationState::kConverged
+                     : verdict == AuditVerdict::kWrong ? CalibrationState::kDegenerate
+                                                       : CalibrationState::kInitializing);
+}
+
 Sheet drawUncertainty(const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
   ImageMap map = mapOver(report.camera, "expected error (1 sigma); crosses: never seen", "px");
@@ -281,25 +287,23 @@ Sheet drawResidualsOverTime(const Recording& recording, std::int64_t origin_ns) 
   return drawLineCharts({chart}, onePanel("time [s]"));
 }
 
-Sheet drawTrajectory(const Recording& recording,
-                     const std::vector<StampedCameraPose>& ground_truth) {
-  const std::vector<StampedCameraPose> own(recording.poses.begin(), recording.poses.end());
-  const std::vector<StampedCameraPose> held(recording.reference_poses.begin(),
-                                            recording.reference_poses.end());
+Sheet drawTrajectory(const std::vector<StampedCameraPose>& own,
+                     const std::vector<StampedCameraPose>& with_reference,
+                     const std::vector<StampedCameraPose>& ground_truth, std::string unit) {
   const Colour blue = palette(Theme::kLight).curve, black = palette(Theme::kLight).text;
   std::vector<PlanePath> paths;
-  std::string unit = "map units";
   if (!ground_truth.empty()) {
     const GroundPlane plane(alignedTo(ground_truth, own));
     unit = "units of the ground truth";
-    paths = {pathOf("self-calibrating", blue, alignedTo(ground_truth, own), plane),
-             pathOf("reference calibration", kOrange, alignedTo(ground_truth, held), plane),
-             pathOf("ground truth", black, ground_truth, plane)};
+    paths = {
+        pathOf("self-calibrating", blue, alignedTo(ground_truth, own), plane),
+        pathOf("reference calibration", kOrange, alignedTo(ground_truth, with_reference), plane),
+        pathOf("ground truth", black, ground_truth, plane)};
     paths.back().width = 3.0;
-  } else if (!held.empty()) {
-    const GroundPlane plane(held);
-    paths = {pathOf("self-calibrating", blue, alignedTo(held, own), plane),
-             pathOf("reference calibration", kOrange, held, plane)};
+  } else if (!with_reference.empty()) {
+    const GroundPlane plane(with_reference);
+    paths = {pathOf("self-calibrating", blue, alignedTo(with_reference, own), plane),
+             pathOf("reference calibration", kOrange, with_reference, plane)};
   } else {
     paths = {pathOf("", blue, own, GroundPlane(own))};
   }

@@ -32,8 +32,13 @@ Sheet drawResidualsByRadius(const Recording& recording);
 Sheet drawResidualsOverTime(const Recording& recording, std::int64_t origin_ns);
 
 /// The path from above, that is, along the mean direction that points down in the images; beside
-/// it, aligned, the one with the reference calibration and the ground truth.
-Sheet drawTrajectory(const Recording& recording,
-                     const std::vector<StampedCameraPose>& ground_truth);
+/// it, aligned, the one with a reference calibration and the ground truth, where there are any.
+/// `unit`: in which the poses are; where there is a ground truth all is in its units.
+Sheet drawTrajectory(const std::vector<StampedCameraPose>& own,
+                     const std::vector<StampedCameraPose>& with_reference,
+                     const std::vector<StampedCameraPose>& ground_truth, std::string unit);
+
+/// Of what an audit says.
+Colour verdictColour(AuditVerdict verdict);
 
 }  // namespace camera_self_calibration

@@ -66,8 +66,30 @@ Json changeJson(const RigRecording& recording, const MountChange& change) {
           {"p_value", change.p_value}};
 }
 
-std::string rigState(const RigRecording& recording) {
-  return recording.converged() ? "CONVERGED" : recording.estimate.usable ? "CONVERGING" : "UNKNOWN";
+Json distanceJson(const AuditDistance& distance) {
+  return {{"distance_px", distance.px},
+          {"sigma_px", distance.sigma_px},
+          {"at_most_px", distance.at_most_px},
+          {"p_value", distance.p_value}};
+}
+
+Json placeAuditJson(const PlaceAudit& place) {
+  return {{"verdict", toString(place.verdict)},
+          {"sentence", place.sentence},
+          {"hint", place.hint},
+          {"turn_deg", place.turn_deg},
+          {"turn", distanceJson(place.turn)},
+          {"shift_deg", place.shift_judged ? Json(place.shift_deg) : Json()},
+          {"shift", place.shift_judged ? distanceJson(place.shift) : Json()}};
+}
+
+// Of the places; what is said of the lenses stands in the folders of the cameras.
+Json rigAuditJson(const RigAudit& audit) {
+  Json lenses = Json::array();
+  for (const AuditReport& lens : audit.lenses) lenses.push_back(toString(lens.verdict));
+  Json places = Json::array();
+  for (const PlaceAudit& place : audit.places) places.push_back(placeAuditJson(place));
+  return {{"verdict", toString(audit.verdict())}, {"lenses", lenses}, {"places", places}};
 }
 
 void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& write) {
@@ -101,6 +123,18 @@ std::vector<std::string> writeCalibration(const fs::path& folder, const RigRecor
                     estimate.metric ? "" : "; its depths are in baselines")};
 }
 
+std::string auditText(const RigAudit& audit) {
+  std::string text = "audit: " + toString(audit.verdict()) + ":";
+  for (std::size_t c = 0; c < audit.lenses.size(); ++c) {
+    text += formatted(" The lens of camera %zu: %s.", c, toString(audit.lenses[c].verdict).c_str());
+  }
+  for (const PlaceAudit& place : audit.places) {
+    text += " " + asSentence(place.sentence);
+    if (!place.hint.empty()) text += " " + asSentence(place.hint);
+  }
+  return text + '\n';
+}
+
 }  // namespace
 
 std::string rigText(const RigRecording& recording) {
@@ -111,6 +145,7 @@ std::string rigText(const RigRecording& recording) {
     text += toString(EventType::kMountChanged) + ": " + asSentence(change.sentence) + '\n';
   }
   if (!recording.estimate.hint.empty()) text += asSentence(recording.estimate.hint) + '\n';
+  if (recording.audit) text += auditText(*recording.audit);
   for (std::size_t c = 0; c < recording.cameras.size(); ++c) {
     text += formatted("\ncamera %zu, %s\n", c, recording.topics[c].c_str());
     text += reportText(recording.cameras[c]);
@@ -135,18 +170,26 @@ Json rigJson(const RigRecording& recording) {
   for (const MountChange& change : recording.mount_changes) {
     changes.push_back(changeJson(recording, change));
   }
-  return {{"state", rigState(recording)},       {"complete", recording.complete},
-          {"sentence", estimate.sentence},      {"hint", estimate.hint},
-          {"metric", estimate.metric},          {"length_unit", lengthUnit(estimate)},
-          {"rig_from_camera", places},          {"mount_changes", changes},
-          {"keyframes", estimate.poses.size()}, {"observations", estimate.observations}};
+  Json json = {{"state", rigState(recording)},       {"complete", recording.complete},
+               {"sentence", estimate.sentence},      {"hint", estimate.hint},
+               {"metric", estimate.metric},          {"length_unit", lengthUnit(estimate)},
+               {"rig_from_camera", places},          {"mount_changes", changes},
+               {"keyframes", estimate.poses.size()}, {"observations", estimate.observations}};
+  if (recording.audit) json["audit"] = rigAuditJson(*recording.audit);
+  return json;
 }
+
+std::string rigState(const RigRecording& recording) {
+  return recording.converged() ? "CONVERGED" : recording.estimate.usable ? "CONVERGING" : "UNKNOWN";
+}
+
+std::string cameraFolder(int camera) { return formatted("cam%d", camera); }
 
 std::vector<std::string> writeRig(const std::string& folder, const RigRecording& recording) {
   const fs::path path(folder);
   std::vector<std::string> notes;
   for (std::size_t c = 0; c < recording.cameras.size(); ++c) {
-    const std::string name = formatted("cam%zu", c);
+    const std::string name = cameraFolder(static_cast<int>(c));
     fs::create_directories(path / name);
     for (const std::string& note :
          writeRecording((path / name).string(), recording.topics[c], recording.cameras[c])) {

@@ -64,7 +64,7 @@ TEST(Audit, WhatChanceExplainsIsNotWrong) {
   // A true calibration is not called good by a vague estimate either.
   const AuditReport vague = auditOf(kNarrow, kNarrow, 2.0);
   EXPECT_EQ(vague.verdict, AuditVerdict::kCannotTell) << vague.sentence();
-  EXPECT_NE(vague.sentence().find("needed: 0.33 px"), std::string::npos) << vague.sentence();
+  EXPECT_NE(vague.sentence().find("needed: 2.00 px"), std::string::npos) << vague.sentence();
 }
 
 TEST(Audit, WithoutAnEstimateNothingCanBeTold) {

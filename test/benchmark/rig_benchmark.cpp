@@ -1,7 +1,8 @@
 // How true a rig's estimate is, and what it says of itself, over simulated rigs of two to four
 // cameras with random lenses, half of them with views that overlap. Each camera starts from
 // intrinsics as it finds them alone: 0.3 % and a pixel off. One row a rig and camera, then a
-// summary.
+// summary, with what an audit says of the true rig, and of one whose camera is turned by 0.5
+// degrees.
 //
 //   rig_benchmark [--rigs 20] [--first-seed 1]
 //
@@ -13,15 +14,18 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "benchmark/program_arguments.h"
 #include "benchmark/random_lens.h"
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/rig/rig_audit.h"
 #include "camera_self_calibration/rig/rig_calibrator.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "rig/played_rig.h"
@@ -29,7 +33,6 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kBeyondThreeSigma = 0.0027;
 
 Rigid3 placeOf(bool overlap, Random* random) {
@@ -79,10 +82,38 @@ struct Tally {
   int positions = 0;
   int positions_inside = 0;
   int converged = 0;
-  int falsely = 0;  // converged beyond the limits they are held to
+  int falsely = 0;       // converged beyond the limits they are held to
+  int turns_inside = 0;  // of rotations once lenses and poses are taken together
+  std::map<AuditVerdict, int> true_ones;
+  std::map<AuditVerdict, int> turned_ones;
   std::vector<double> rotation_deg;
+  std::vector<double> turn_deg;
   std::vector<double> direction_deg;
 };
+
+constexpr double kTurned = 0.5 * kDegree;
+
+// What an audit says of where a camera sits.
+void judgeAudits(const RigEstimate& estimate, const Rig& truth, int c, Tally* tally) {
+  const PlaceVector difference =
+      placeDifference(estimate.rig, truth, c, estimate.evidence->features);
+  const Eigen::Vector3d turn = difference.head<3>();
+  const Eigen::Matrix3d covariance = estimate.places[c].difference_covariance.topLeftCorner<3, 3>();
+  const double p = chiSquareExceedance(turn.dot(covariance.inverse() * turn), 3.0);
+  tally->turns_inside += p > kBeyondThreeSigma;
+  tally->turn_deg.push_back(turn.norm() / kDegree);
+  Rig turned = truth;
+  Random random(mixSeed(static_cast<std::uint64_t>(estimate.observations), 80));
+  Eigen::Quaterniond& rotation = turned.rig_from_camera[c].rotation;
+  rotation = expSo3(kTurned * random.normal3().normalized()) * rotation;
+  const PlaceAudit right = auditPlace(estimate, truth, c, {});
+  const PlaceAudit wrong = auditPlace(estimate, turned, c, {});
+  ++tally->true_ones[right.verdict];
+  ++tally->turned_ones[wrong.verdict];
+  std::printf("    with the lens: %.4f deg (p %.4f); audit of the true one %s, turned %s\n",
+              turn.norm() / kDegree, p, toString(right.verdict).c_str(),
+              toString(wrong.verdict).c_str());
+}
 
 double rotationProbability(const PlaceInRig& place, const Eigen::Vector3d& error) {
   return chiSquareExceedance(error.dot(place.rotation_covariance.inverse() * error), 3.0);
@@ -123,6 +154,7 @@ bool judge(const RigEstimate& estimate, const Rig& truth, int c, Tally* tally) {
                 place.directionSigma(found.translation) / kDegree, q);
   }
   std::printf(", %d shared\n", place.shared_landmarks);
+  judgeAudits(estimate, truth, c, tally);
   return right;
 }
 
@@ -270,6 +302,16 @@ int runChanges(const std::string& kind, double degrees, int rigs, std::uint64_t 
   return 0;
 }
 
+void printAudits(const char* which, const std::map<AuditVerdict, int>& verdicts) {
+  std::printf("audit of the %s:", which);
+  for (const AuditVerdict verdict :
+       {AuditVerdict::kGood, AuditVerdict::kWrong, AuditVerdict::kCannotTell}) {
+    const auto found = verdicts.find(verdict);
+    std::printf(" %s %d", toString(verdict).c_str(), found == verdicts.end() ? 0 : found->second);
+  }
+  std::printf("\n");
+}
+
 int run(int rigs, std::uint64_t first_seed) {
   Tally tally;
   for (int i = 0; i < rigs; ++i) run(first_seed + static_cast<std::uint64_t>(i), &tally);
@@ -280,6 +322,10 @@ int run(int rigs, std::uint64_t first_seed) {
       tally.rigs, tally.told, tally.converged, tally.falsely, tally.rotations_inside,
       tally.rotations, median(tally.rotation_deg, NAN), tally.positions_inside, tally.positions,
       median(tally.direction_deg, NAN));
+  std::printf("rotation with the lens inside 3 sigma: %d of %d, median error %.4f deg\n",
+              tally.turns_inside, tally.rotations, median(tally.turn_deg, NAN));
+  printAudits("true places", tally.true_ones);
+  printAudits("turned ones", tally.turned_ones);
   return 0;
 }
 

@@ -38,14 +38,15 @@ TEST(EstimateDistance, IsPixelDistanceWhereAllCounts) {
     }
   }
   const EstimateDistance distance = distanceFromEstimate(kTruth, live.covariance, other, all);
-  EXPECT_NEAR(distance.found_px, pixelDistance(kTruth, other).rms, 1e-6);
-  EXPECT_NEAR(distance.noise_px, pixelUncertainty(kTruth, live.covariance).rms, 1e-9);
+  EXPECT_NEAR(distance.offset.found, pixelDistance(kTruth, other).rms, 1e-6);
+  EXPECT_NEAR(distance.offset.noise, pixelUncertainty(kTruth, live.covariance).rms, 1e-9);
   EXPECT_EQ(distance.refused, 0.0);
 }
 
 TEST(EstimateDistance, IsInfiniteWhereNothingIsKnown) {
-  EXPECT_FALSE(std::isfinite(
-      distanceFromEstimate(kTruth, IntrinsicsMatrix(), kTruth, evenFeatures(kTruth)).px()));
+  EXPECT_FALSE(
+      std::isfinite(distanceFromEstimate(kTruth, IntrinsicsMatrix(), kTruth, evenFeatures(kTruth))
+                        .offset.length()));
 }
 
 struct Spread {
@@ -71,10 +72,10 @@ Spread spreadOf(const Camera& calibration, double uncertainty_px, bool axis) {
     estimate.setParameters(kTruth.parameters() + root * noise);
     const EstimateDistance distance =
         distanceFromEstimate(estimate, live.covariance, calibration, weights);
-    const double value = axis ? distance.axis_deg : distance.px();
+    const double value = axis ? distance.axis_deg : distance.offset.length();
     spread.mean += value / kDraws;
     squares += value * value / kDraws;
-    spread.stated += (axis ? distance.axis_sigma_deg : distance.sigma_px) / kDraws;
+    spread.stated += (axis ? distance.axis_sigma_deg : distance.offset.sigma()) / kDraws;
   }
   spread.deviation = std::sqrt(squares - spread.mean * spread.mean);
   return spread;
@@ -84,7 +85,7 @@ TEST(EstimateDistance, ScattersAsItSays) {
   const Camera far = changed(kTruth, 1.01, {15, 0});
   const double true_px =
       distanceFromEstimate(kTruth, knownLens(kTruth, 1e-6).covariance, far, evenFeatures(kTruth))
-          .px();
+          .offset.length();
   const Spread spread = spreadOf(far, 0.4, false);
   EXPECT_NEAR(spread.mean, true_px, 0.1 * true_px);
   EXPECT_NEAR(spread.stated, spread.deviation, 0.2 * spread.deviation);

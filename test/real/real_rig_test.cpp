@@ -10,6 +10,7 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/tools/calibrate_rig.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
@@ -18,8 +19,6 @@
 
 namespace camera_self_calibration {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 // EuRoC MH_01, recalibrated from 52 pairs of images of a board: cam1_from_cam0.
 const Rigid3 kTruth(expSo3({-0.01433245, -0.00058306, -0.00213526}),
@@ -35,8 +34,10 @@ TEST(RealRig, WhatIsSaidOfAStereoPairIsTrue) {
   }
   SourceOptions source;
   source.path = bag.string();
-  const RigRecording recording = calibrateRig(source, {"/cam0/image_raw", "/cam1/image_raw"}, {},
-                                              kTruth.translation.norm(), nullptr);
+  RigExtras extras;
+  extras.baseline_m = kTruth.translation.norm();
+  const RigRecording recording =
+      calibrateRig(source, {"/cam0/image_raw", "/cam1/image_raw"}, {}, extras);
   ASSERT_TRUE(recording.converged()) << recording.estimate.sentence;
   EXPECT_TRUE(recording.mount_changes.empty()) << recording.mount_changes.front().sentence;
   const Rigid3& found = recording.estimate.rig.rig_from_camera[1];
@@ -92,8 +93,10 @@ TEST(RealRig, ACameraThatIsTurnedIsFound) {
   SourceOptions source;
   source.path = folder / "turned.bag";
   const double half_s = writeTurned(bag.string(), source.path);
-  const RigRecording recording = calibrateRig(source, {"/cam0/image_raw", "/cam1/image_raw"}, {},
-                                              kTruth.translation.norm(), nullptr);
+  RigExtras extras;
+  extras.baseline_m = kTruth.translation.norm();
+  const RigRecording recording =
+      calibrateRig(source, {"/cam0/image_raw", "/cam1/image_raw"}, {}, extras);
   ASSERT_EQ(recording.mount_changes.size(), 1u) << recording.estimate.sentence;
   const MountChange& change = recording.mount_changes.front();
   SCOPED_TRACE(change.sentence);

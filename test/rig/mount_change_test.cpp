@@ -5,13 +5,13 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/simulation/random.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kLevel = 1e-6;
 
 Camera lens(double focal) {

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "rig/played_rig.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
 constexpr double kChangeS = 8.7;  // in the middle of a stretch
 
 Camera lens(double focal) {

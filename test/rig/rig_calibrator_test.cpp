@@ -2,13 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "rig/simulated_rig.h"
 
 namespace camera_self_calibration {
 namespace {
-
-constexpr double kDegree = M_PI / 180.0;
 
 Camera lens(double focal, double k1) {
   Intrinsics p(8);

@@ -410,6 +410,8 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder.string() + " --topics /a /b --baseline -1", "--baseline"},
       {folder.string() + " --topics /a /b --baseline inf", "--baseline"},
       {folder.string() + " --topics /a /b --topic /a", "--topic is for one camera"},
+      {folder.string() + " --topics /a /b --audit " + (folder / "missing.yaml"), "cannot be opened"},
+      {folder.string() + " --topics /a /b --report", "--out"},
       {folder.string() + " --ground-truth " + (folder / "missing.tum"), "missing.tum"},
       {folder.string() + " --reference-calibration " + (folder / "missing.yaml"),
        "cannot be opened"}};

@@ -107,6 +107,38 @@ TEST(RigCamchain, ReadsBack) {
     EXPECT_NEAR(motion[r][0].as<double>(), expected.rotation.toRotationMatrix()(r, 0), 1e-15);
   }
   EXPECT_LT(chain["cam1"]["T_cn_cnm1"][0][3].as<double>(), -0.1);
+  const Rig read = parseRigCalibration(text);
+  ASSERT_EQ(read.size(), 3);
+  for (int c = 0; c < 3; ++c) {
+    EXPECT_EQ(read.cameras[c].parameters(), rig.cameras[c].parameters());
+    EXPECT_TRUE(read.rig_from_camera[c].translation.isApprox(rig.rig_from_camera[c].translation));
+    EXPECT_TRUE(read.rig_from_camera[c].rotation.isApprox(rig.rig_from_camera[c].rotation, 1e-9));
+  }
+}
+
+TEST(RigCamchain, WhatIsNoRigIsRefusedWithAReason) {
+  const Rig rig = pair(equidistant(400.0), equidistant(410.0), {0.11, 0.0, 0.0});
+  const std::string text = rigCamchain(rig, {"/a", "/b"}, "");
+  const auto problem = [](const std::string& calibration) -> std::string {
+    try {
+      parseRigCalibration(calibration);
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+    return "none";
+  };
+  EXPECT_EQ(problem(text), "none");
+  const auto replaced = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    return changed.replace(changed.find(from), from.size(), to);
+  };
+  EXPECT_NE(problem(replaced("T_cn_cnm1", "T_other")).find("no T_cn_cnm1"), std::string::npos);
+  EXPECT_NE(problem(replaced("T_cn_cnm1:\n  - [", "T_cn_cnm1:\n  - [1")).find("no motion"),
+            std::string::npos);
+  EXPECT_NE(problem(replaced("cam1", "left")).find("cam0 and cam1"), std::string::npos);
+  EXPECT_NE(problem("model: fov\nwidth: 640\nheight: 480\nparams: [300, 300, 320, 240, 0.9]\n")
+                .find("no camchain"),
+            std::string::npos);
 }
 
 TEST(RigResults, ACameraThatWasMovedIsTold) {

@@ -24,8 +24,12 @@ struct AuditOptions {
   double chance = 1e-3;  ///< Probability of calling a calibration wrong that is just tolerable.
 };
 
-/// Whether a calibration is still right, by video. In GOOD the distance is tolerable, and known to
-/// a third of the tolerance; WRONG: it is beyond the tolerance beyond chance.
+/// Whether a distance is accepted (JCGM 106): it is within the tolerance, and to three sigma
+/// (`at_most_px`) less than twice that.
+bool isTolerable(double distance_px, double at_most_px, const AuditOptions& options);
+
+/// Whether a calibration is still right, by video. In GOOD the distance is tolerable, and less than
+/// twice the tolerance for certain (isTolerable); WRONG: it is beyond the tolerance beyond chance.
 struct AuditReport {
   AuditVerdict verdict = AuditVerdict::kCannotTell;
   double tolerance_px = 1.0;
@@ -33,6 +37,7 @@ struct AuditReport {
   /// removed [px rms]; sigma: of noise, of what halves of the video disagree, of the lens model.
   double distance_px = std::numeric_limits<double>::infinity();
   double sigma_px = std::numeric_limits<double>::infinity();
+  double at_most_px = std::numeric_limits<double>::infinity();  ///< To three sigma.
   /// Probability that chance makes a tolerable calibration look as far off.
   double p_value = 1.0;
   double axis_deg = 0.0;  ///< How far the optical axes are apart, and its sigma.

@@ -11,6 +11,10 @@ double chiSquareExceedance(double value, double degrees_of_freedom);
 /// Probability that a variable of Fisher's F distribution exceeds `value`.
 double fExceedance(double value, double numerator_freedom, double denominator_freedom);
 
+/// Probability that chance puts a value so far beyond `limit`, one-sided: Student's with `freedom`
+/// degrees, normal where that is 0. 1 for a value that is not known.
+double chanceBeyond(double value, double sigma, double limit, double freedom);
+
 /// Number of false alarms (Desolneux, Moisan & Morel 2000): how many of `tests` would find `found`
 /// or more of `candidates` by chance alone, where each of these is found by chance with probability
 /// `by_chance`, independently.

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "camera_self_calibration/base/noisy_length.h"
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/image_weights.h"
 
@@ -18,24 +19,19 @@ struct EstimateDistance {
     double weight = 1.0;
   };
 
-  double found_px = std::numeric_limits<double>::infinity();  ///< [px rms]
-  double noise_px = std::numeric_limits<double>::infinity();  ///< Expected of noise alone [px rms].
-  double sigma_px = std::numeric_limits<double>::infinity();  ///< Of px(), 1 sigma.
+  NoisyLength offset;  ///< Over what counts [px rms].
   /// The rotation that was removed, across the optical axis: the axes of the two are so far apart.
   double axis_deg = 0.0;
   double axis_sigma_deg = std::numeric_limits<double>::infinity();
   double refused = 0.0;  ///< Share of what counts whose rays the calibration cannot project.
   std::vector<Point> points;
-
-  /// The distance from the true lens: what is found beyond the noise [px rms].
-  double px() const;
 };
 
 /// `covariance` is that of the estimate, n_c x n_c. With G the metric of the weights (as
 /// pixelMetric), C the covariance and e the offsets, `found^2 = mean e^2` is on average the squared
-/// distance from the true lens and `noise^2 = trace(G C)`; to first order its variance is
-/// `4 g^T C g + 2 trace((G C)^2)` with `g = mean A'^T e`. Rays that cannot be projected are
-/// left out. Infinite where none can, or where nothing is known of the estimate.
+/// distance from the true lens and `noise^2 = trace(G C)` (NoisyLength); to first order its
+/// variance is `4 g^T C g + 2 trace((G C)^2)` with `g = mean A'^T e`. Rays that cannot be projected
+/// are left out. Infinite where none can, or where nothing is known of the estimate.
 EstimateDistance distanceFromEstimate(const Camera& estimate, const IntrinsicsMatrix& covariance,
                                       const Camera& calibration, const ImageWeights& weights);
 

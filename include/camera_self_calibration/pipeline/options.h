@@ -62,6 +62,9 @@ struct Options {
   std::vector<std::string> problems() const;
 };
 
+/// Options::convergedRms with `asked_px` for converged_pixel_rms [px].
+double convergedRms(double asked_px, int width);
+
 /// "auto": the readout time is estimated; "off": a global shutter; or a number: the readout time of
 /// the whole image [s]. False, and nothing changed, for anything else.
 bool setRollingShutter(const std::string& text, Options* options);

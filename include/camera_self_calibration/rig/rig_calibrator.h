@@ -80,6 +80,7 @@ class RigCalibrator {
   bool solveRoughly();
   std::string refine();
   std::optional<Rig> underOtherLenses() const;
+  void addShared(RigEvidence* evidence) const;
   void gate();
 
   RigOptions options_;

@@ -2,11 +2,15 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/camera/image_weights.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/rig/epipolar.h"
+#include "camera_self_calibration/rig/place_difference.h"
 #include "camera_self_calibration/rig/rig.h"
 #include "camera_self_calibration/rig/rig_solver.h"
 #include "camera_self_calibration/rig/time_offset.h"
@@ -22,6 +26,9 @@ struct PlaceInRig {
   /// Of the position, in the unit of the positions; of a camera whose distance is the unit or
   /// given, of its direction alone.
   Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero();
+  /// Of what placeDifference() finds: smaller than the two above where lenses and poses make up for
+  /// each other. Of the shift only where the position is known.
+  PlaceMatrix difference_covariance = PlaceMatrix::Zero();
   TimeOffset time_offset;    ///< Of its images.
   int shared_landmarks = 0;  ///< Of its tracks, those that another camera sees too.
 
@@ -36,6 +43,16 @@ struct RigPose {
   std::int64_t stamp_ns = 0;
   int segment = 0;  ///< Those of different segments do not share a frame.
   Rigid3 world_from_rig;
+};
+
+/// What an estimate rests on, for whoever draws or checks it.
+struct RigEvidence {
+  Rig before;                          ///< Each camera by itself, placed by motion alone.
+  std::vector<SharedView> shared;      ///< Those that the joint solution keeps.
+  std::vector<ImageWeights> features;  ///< Of each camera (featuresOf).
+  /// The images of the keyframe with most shared views, one for each camera; empty without any.
+  std::vector<ImageView> example;
+  std::int64_t example_ns = 0;  ///< Its stamp.
 };
 
 /// What is known of a rig.
@@ -56,28 +73,30 @@ struct RigEstimate {
   int observations = 0;
   /// Typical, of what the first camera follows [1/unit of the positions]: how far away things are.
   double inverse_depth = 1.0;
+  std::shared_ptr<const RigEvidence> evidence;  ///< Null where it is not usable.
 };
+
+/// Of what is near, as a share of the image's width.
+constexpr double kTypicalDisparity = 0.1;
 
 /// What is asked of a rig, from the pixels that a wrong pose costs: a pixel for 640 px of width, as
 /// of a lens that has converged. A rotation moves what is seen by its angle times the focal length;
-/// a wrong direction of the baseline moves a feature off its row by its angle times the disparity,
-/// a tenth of the width at most.
+/// a wrong direction of the baseline moves a feature off its row by its angle times the disparity
+/// (kTypicalDisparity).
 struct RigLimits {
   double rotation = 0.0;   ///< [rad]
   double direction = 0.0;  ///< [rad]
 };
 RigLimits rigLimits(const Camera& camera);
 
-/// Of a lens: a pixel for 640 px of width [px].
-double pixelLimit(const Camera& camera);
-
 /// From a covariance in the layout of rigCovariance: unit, sigmas and the words. `other`: the rig
 /// under lens models that explain the tracks as well; by how much it differs counts as one sigma,
 /// since noise is often less than what no model describes. With `baseline_m`,
 /// the distance between the first two cameras [m], lengths become metric. `segments` are scaled
-/// too.
+/// too. `features` as of featuresOf.
 RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::MatrixXd& covariance,
                         const std::optional<Rig>& other, std::optional<double> baseline_m,
+                        const std::vector<ImageWeights>& features,
                         std::vector<RigSegment>* segments);
 
 /// The place of one camera in words: how it is turned, where it sits, and how well both are known.

@@ -20,6 +20,7 @@
 #include "camera_self_calibration/ros/camera_publisher.h"
 #include "camera_self_calibration/ros/image_input.h"
 #include "camera_self_calibration/ros/input_monitor.h"
+#include "camera_self_calibration/ros/node_log.h"
 #include "camera_self_calibration/ros/publisher_watch.h"
 
 namespace camera_self_calibration {
@@ -52,7 +53,6 @@ class RigCalibrationNode {
 
   void start(const std::string& name);
   void addPort(int camera);
-  void stayIdle(const std::vector<std::string>& problems);
   void onImage(int camera, InputImage image);
   void onReport(const RigReport& report);
   void publishPlaces(const RigReport& report);
@@ -62,14 +62,14 @@ class RigCalibrationNode {
   CalibrationStore::Outcome saveTo(RigStore* store, const RigReport& report);
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status);
   std::string inputProblem();
-  void warnThrottled(const std::string& text);
 
   ros::NodeHandle node_;
   ros::NodeHandle private_node_;
+  NodeLog log_;
   RigNodeOptions options_;
+  std::string idle_;  // why nothing is done, in a sentence; empty if something is
   diagnostic_updater::Updater updater_;
   ros::WallTimer timer_;
-  ros::WallTime last_warning_;
   ros::Publisher event_;
   std::unique_ptr<tf2_ros::StaticTransformBroadcaster> transforms_;
 
@@ -84,8 +84,7 @@ class RigCalibrationNode {
   bool converged_ = false;
 
   mutable std::mutex mutex_;  // for what follows, and in ports_
-  std::string problems_;
-  std::string saving_;  // how the newest one ended
+  std::string saving_;        // how the newest one ended
   bool saving_failed_ = false;
 
   std::unique_ptr<RigSelfCalibrator> calibrator_;

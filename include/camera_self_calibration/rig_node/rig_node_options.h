@@ -30,12 +30,7 @@ struct RigNodeOptions {
   std::vector<std::string> problems() const;
 };
 
-struct RigNodeOptionsReading {
-  RigNodeOptions options;
-  std::vector<std::string> problems;  ///< Wrong types and violated bounds; empty if all is well.
-  std::vector<std::string> warnings;  ///< Parameters that are not known.
-  std::vector<std::string> known;     ///< Names of all parameters.
-};
+using RigNodeOptionsReading = OptionsReading<RigNodeOptions>;
 
 /// Reads the private parameters; what is absent keeps its default.
 RigNodeOptionsReading readRigNodeOptions(const ros::NodeHandle& private_node);

@@ -70,7 +70,7 @@ class Diagnostics {
   const CameraInfoPolicy* camera_info_;
   const FactoryCalibration* factory_ = nullptr;
   mutable std::mutex mutex_;
-  std::string problems_;
+  std::string idle_;  // why, in a sentence; empty if the node works
   std::string topic_;
   StorageStatus storage_;
   std::string frame_problem_;

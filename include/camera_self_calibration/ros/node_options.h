@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera_self_calibration/pipeline/options.h"
+#include "camera_self_calibration/ros/parameter_reader.h"
 
 namespace camera_self_calibration {
 
@@ -45,17 +46,10 @@ struct NodeOptions {
   std::vector<std::string> problems() const;
 };
 
-class ParameterReader;
-
 /// The parameters of the pipeline alone, with what their names stand for.
 void readPipelineOptions(ParameterReader& read, NodeOptions* options);
 
-struct NodeOptionsReading {
-  NodeOptions options;
-  std::vector<std::string> problems;  ///< Wrong types and violated bounds; empty if all is well.
-  std::vector<std::string> warnings;  ///< Parameters that are not known.
-  std::vector<std::string> known;     ///< Names of all parameters.
-};
+using NodeOptionsReading = OptionsReading<NodeOptions>;
 
 /// Reads the private parameters; what is absent keeps its default.
 NodeOptionsReading readNodeOptions(const ros::NodeHandle& private_node);

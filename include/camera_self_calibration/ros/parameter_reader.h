@@ -3,6 +3,7 @@
 #include <ros/node_handle.h>
 
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace camera_self_calibration {
@@ -57,6 +58,25 @@ class ParameterReader {
   std::vector<std::string> known_;
   std::vector<std::string> problems_;
 };
+
+/// Options as they were read.
+template <typename Options>
+struct OptionsReading {
+  Options options;
+  std::vector<std::string> problems;  ///< Wrong types and violated bounds; empty if all is well.
+  std::vector<std::string> warnings;  ///< Parameters that are not known.
+  std::vector<std::string> known;     ///< Names of all parameters.
+};
+
+/// What `reader` read into `options`, with the bounds that these violate.
+template <typename Options>
+OptionsReading<Options> readingOf(const ParameterReader& reader, Options options) {
+  OptionsReading<Options> reading{std::move(options), reader.problems(), reader.unknown(),
+                                  reader.known()};
+  const std::vector<std::string> violated = reading.options.problems();
+  reading.problems.insert(reading.problems.end(), violated.begin(), violated.end());
+  return reading;
+}
 
 /// The name that is reached with the fewest changed, missing, superfluous or exchanged letters;
 /// empty if none is near (more than a third of the letters differ).

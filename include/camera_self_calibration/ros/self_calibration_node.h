@@ -16,6 +16,7 @@
 #include "camera_self_calibration/ros/image_input.h"
 #include "camera_self_calibration/ros/input_monitor.h"
 #include "camera_self_calibration/ros/live_parameters.h"
+#include "camera_self_calibration/ros/node_log.h"
 #include "camera_self_calibration/ros/node_options.h"
 #include "camera_self_calibration/ros/publisher_watch.h"
 #include "camera_self_calibration/ros/result_publisher.h"
@@ -45,14 +46,13 @@ class SelfCalibrationNode {
   bool begin(const std::optional<Camera>& camera);
   void raise(const Event& event);
   Callbacks callbacks();
-  void warnThrottled(const std::string& text);
 
   ros::NodeHandle node_;
   ros::NodeHandle private_node_;
+  NodeLog log_;
   NodeOptions options_;
   PublisherWatch publisher_watch_;
   InputMonitor monitor_;
-  ros::WallTime last_warning_;
 
   // Used by the calibrator's threads, so they outlive it.
   std::atomic<std::int64_t> dropped_images_{0};

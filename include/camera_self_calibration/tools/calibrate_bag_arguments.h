@@ -7,6 +7,7 @@
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/reference/trajectory_comparison.h"
 #include "camera_self_calibration/tools/calibrate.h"
+#include "camera_self_calibration/tools/calibrate_rig.h"
 #include "camera_self_calibration/tools/image_source.h"
 
 namespace camera_self_calibration {
@@ -20,7 +21,7 @@ struct CalibrateBagArguments {
   std::string camera;               ///< Name of the camera in it; empty: the topic, folder or file.
   bool overwrite = false;           ///< `state_out`, whatever it holds.
   std::vector<std::string> topics;  ///< Of a rig: one for each camera; empty: there is one camera.
-  std::optional<double> baseline_m;  ///< Between the first two cameras of a rig [m].
+  RigExtras rig;                    ///< Of a rig, but for `stop`.
   CalibrateExtras extras;
   std::vector<StampedCameraPose> ground_truth;  ///< Empty: none was given.
   bool report = false;                          ///< report.html goes into the folder.

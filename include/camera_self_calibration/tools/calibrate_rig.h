@@ -1,10 +1,12 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "camera_self_calibration/rig/mount_change.h"
+#include "camera_self_calibration/rig/rig_audit.h"
 #include "camera_self_calibration/rig/rig_estimate.h"
 #include "camera_self_calibration/tools/calibrate.h"
 #include "camera_self_calibration/tools/recording.h"
@@ -18,17 +20,27 @@ struct RigRecording {
   RigEstimate estimate;            ///< Not usable: its sentence says why.
   std::vector<MountChange> mount_changes;  ///< Cameras that were moved, in the order of time.
   std::vector<TimedPose> poses;            ///< Of the rig in each image; empty without an estimate.
+  std::optional<Rig> audited;              ///< A calibration in question, if given,
+  std::optional<RigAudit> audit;           ///< and what the video says of it.
   bool complete = true;                    ///< False: stopped before the last image.
 
   /// Whether each camera and the rig as a whole have converged.
   bool converged() const;
 };
 
+/// What is known of a rig, and what to do beside its calibration.
+struct RigExtras {
+  std::optional<double> baseline_m;  ///< Between the first two cameras [m].
+  std::optional<Rig> audited;        ///< Held against what the video says; as many cameras.
+  AuditOptions audit;
+  bool example = false;        ///< Keep an image of each camera with its tracks.
+  std::function<bool()> stop;  ///< As CalibrateExtras::stop.
+};
+
 /// Calibrates the cameras of a bag one by one, as calibrate() does, then follows all of them
 /// together with these intrinsics held, and solves for the rig. Throws as calibrate(), and where an
 /// image topic is missing.
 RigRecording calibrateRig(const SourceOptions& source, const std::vector<std::string>& topics,
-                          const Options& options, std::optional<double> baseline_m,
-                          const std::function<bool()>& stop);
+                          const Options& options, const RigExtras& extras);
 
 }  // namespace camera_self_calibration

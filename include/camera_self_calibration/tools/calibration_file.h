@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/rig/rig.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 
 namespace camera_self_calibration {
@@ -22,6 +23,9 @@ struct CalibrationInFile {
 /// parseCalibration().
 CalibrationInFile readCalibration(const std::string& path, std::optional<CalibrationFormat> format,
                                   const std::string& wanted);
+
+/// The cameras of a rig and where they sit, from Kalibr's camchain. Throws as readCalibration().
+Rig readRigCalibration(const std::string& path);
 
 /// Writes a calibration, fitted where the format does not have the model; what that costs is
 /// returned and noted in the file. The text is read back and compared first, and an existing file

@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/rig/rig.h"
 
 namespace camera_self_calibration {
 
@@ -43,6 +44,10 @@ struct StoredCalibration {
 /// must be isText(). Throws std::runtime_error that says what is wrong.
 StoredCalibration parseCalibration(const std::string& text, CalibrationFormat format,
                                    const std::string& wanted = {});
+
+/// The cameras of a rig and where they sit, from Kalibr's camchain (T_cn_cnm1). Lengths are the
+/// file's. Throws as parseCalibration().
+Rig parseRigCalibration(const std::string& text);
 
 /// The camera as the format can hold it: itself, with error 0, where the format has the model; else
 /// the best fit by a model that it has. Throws std::runtime_error where none fits.

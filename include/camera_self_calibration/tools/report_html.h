@@ -16,6 +16,9 @@ struct RunDescription {
   std::string date;                  ///< Of the run, in words.
 };
 
+/// The name of a bag, folder or video, without where it is.
+std::string inputName(const std::string& path);
+
 /// The text of report.html: a run as a page to send to a colleague, with all pictures in it. What
 /// was not computed (batch, reference calibration, ground truth) has no section. Runs with the same
 /// input and options have the same page, but for the line that begins with <p id="run">: date and
