@@ -158,7 +158,8 @@ void explainDoubt(const Evidence& evidence, const LensFitReport& fit, AuditRepor
   } else {
     report->reason = "the distance is too close to the tolerance";
   }
-  if (3.0 * evidence.misfit_px > needed_px) {  // by itself, to three sigma
+  // By itself, to three sigma.
+  if (report->distance_px + 3.0 * evidence.misfit_px > needed_px) {
     report->hint = "no motion would help, since " + fit.better + " fits the lens better than " +
                    fit.model + ": choose that model, or auto";
     return;

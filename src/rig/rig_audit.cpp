@@ -78,7 +78,11 @@ PlaceAudit undecided(const std::string& sentence, const std::string& hint) {
 PlaceAudit auditPlace(const RigEstimate& estimate, const Rig& given, int camera,
                       const AuditOptions& options) {
   const std::string hint = "turn the rig about all axes, where there is much to see";
-  if (!estimate.usable) return undecided(estimate.sentence, hint);
+  if (!estimate.usable || !estimate.evidence) return undecided(estimate.sentence, hint);
+  if (estimate.places[camera].time_offset.harms()) {
+    return undecided(formatted("the clocks of camera 0 and camera %d disagree", camera),
+                     "trigger the cameras together, or correct the stamps");
+  }
   for (const int c : {0, camera}) {
     const Camera& seen = estimate.rig.cameras[c];
     const Camera& other = given.cameras[c];
@@ -98,15 +102,13 @@ PlaceAudit auditPlace(const RigEstimate& estimate, const Rig& given, int camera,
   audit.turn_deg = turn.norm() / kDegree;
   audit.turn = distanceOf(turn, place.difference_covariance.topLeftCorner<3, 3>(),
                           lens.parameters()(0), options.tolerance_px);
-  std::vector<AuditDistance> distances = {audit.turn};
   audit.shift_judged = place.position_known;
   if (audit.shift_judged) {
     audit.shift_deg = shift.norm() / distance / kDegree;
     audit.shift = distanceOf(shift, place.difference_covariance.bottomRightCorner<3, 3>(),
                              kTypicalDisparity * lens.width() / distance, options.tolerance_px);
-    distances.push_back(audit.shift);
   }
-  decide(distances, options, &audit);
+  decide({audit.turn, audit.shift}, options, &audit);
   say(camera, options, &audit);
   if (audit.verdict == AuditVerdict::kCannotTell) {
     audit.hint = estimate.hint.empty() ? hint : estimate.hint;

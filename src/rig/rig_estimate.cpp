@@ -84,6 +84,7 @@ bool wellKnown(const RigEstimate& estimate, int c) {
 
 void say(RigEstimate* estimate) {
   estimate->converged = true;
+  estimate->sentence.clear();
   for (int c = 1; c < estimate->rig.size(); ++c) {
     estimate->converged = estimate->converged && wellKnown(*estimate, c);
     estimate->sentence += (c > 1 ? " " : "") + placeText(*estimate, c);
@@ -156,6 +157,21 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
   estimate.inverse_depth = typicalInverseDepth(std::move(inverse_depths));
   say(&estimate);
   return estimate;
+}
+
+std::string lengthUnit(const RigEstimate& estimate) {
+  return estimate.metric ? "m" : "distances between the first two cameras";
+}
+
+void setBaseline(double baseline_m, RigEstimate* estimate) {
+  if (!estimate->places[1].position_known) return;
+  const double factor = baseline_m / estimate->rig.rig_from_camera[1].translation.norm();
+  for (Rigid3& pose : estimate->rig.rig_from_camera) pose.translation *= factor;
+  for (RigPose& pose : estimate->poses) pose.world_from_rig.translation *= factor;
+  for (PlaceInRig& place : estimate->places) place.position_covariance *= factor * factor;
+  estimate->inverse_depth /= factor;
+  estimate->metric = true;
+  say(estimate);
 }
 
 std::string placeText(const RigEstimate& estimate, int camera) {

@@ -53,14 +53,15 @@ RigSelfCalibrator::RigSelfCalibrator(const RigOptions& rig, const std::vector<Op
   if (mode == SelfCalibrator::Mode::kThreaded) solver_ = std::thread([this] { run(); });
 }
 
+// The solver first: who hears of its solutions may ask for what the cameras have learnt.
 RigSelfCalibrator::~RigSelfCalibrator() {
-  cameras_.clear();
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stopping_ = true;
   }
   wake_.notify_all();
   if (solver_.joinable()) solver_.join();
+  cameras_.clear();
 }
 
 bool RigSelfCalibrator::process(int camera, const ImageView& image) {

@@ -8,6 +8,7 @@
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/pipeline/options.h"
+#include "camera_self_calibration/rig/rig_audit.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -60,6 +61,14 @@ bool RigSession::lensesKnown() const {
                      [](const CalibrationReport& lens) { return lens.handed_over; });
 }
 
+void RigSession::restore(const RigEstimate& before) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  restored_ = before;
+  compared_ = false;
+  report_.estimate = before;
+  ++report_.revision;
+}
+
 void RigSession::add(int camera, const FrameResult& result) {
   const std::lock_guard<std::mutex> lock(mutex_);
   seen_[camera] = true;
@@ -90,6 +99,7 @@ void RigSession::beginAnew(const std::string& why) {
   doubt_.clear();
   certain_ = false;
   report_.estimate.converged = false;
+  restored_.reset();
   report_.last_failure.clear();
   report_.anew = asSentence(why + "; calibrating the rig again");
 }
@@ -194,11 +204,14 @@ bool RigSession::conclude(const MountVerdict& verdict, const KnownRig& known) {
   new_keyframes_ = calibrator_.frames();
   change.epoch = report_.epoch;
   change.sentence = report_.anew;
-  report_.mount_changes.push_back(change);
-  if (report_.mount_changes.size() > RigReport::kMaxMountChanges) {
-    report_.mount_changes.erase(report_.mount_changes.begin());
-  }
+  remember(change);
   return true;
+}
+
+void RigSession::remember(const MountChange& change) {
+  report_.mount_changes.push_back(change);
+  if (report_.mount_changes.size() <= RigReport::kMaxMountChanges) return;
+  report_.mount_changes.erase(report_.mount_changes.begin());
 }
 
 std::string RigSession::nameOf(int camera) const {
@@ -215,10 +228,10 @@ std::string RigSession::doubtText(const MountVerdict& verdict) const {
 }
 
 // A rotation or shift that may be chance goes unmentioned where the other one is none.
-std::string RigSession::textOf(const MountChange& change) const {
+std::string RigSession::amountOf(const MountChange& change) const {
   constexpr double kChance = 0.0027;  // beyond 3 sigma
   const bool shifted = change.shiftPValue() < kChance;
-  std::string text = nameOf(change.camera) + " was ";
+  std::string text;
   if (change.rotationPValue() < kChance || !shifted) {
     text += formatted("turned by %.2f +- %.2f degrees", change.angle() / kDegree,
                       change.angleSigma() / kDegree);
@@ -226,14 +239,70 @@ std::string RigSession::textOf(const MountChange& change) const {
   }
   if (shifted) {
     text += formatted("moved by %.3f +- %.3f %s", change.shift.norm(), change.shiftSigma(),
-                      report_.estimate.metric ? "m" : "distances between the first two cameras");
+                      lengthUnit(report_.estimate).c_str());
   }
+  return text;
+}
+
+std::string RigSession::textOf(const MountChange& change) const {
   const std::string others = lenses_.size() == 2 ? nameOf(0) : "the others";
   const double seconds = toSeconds(change.onset_ns - first_ns_.value_or(0));
-  return text + formatted(" against %s at %.1f s", others.c_str(), seconds);
+  return nameOf(change.camera) + " was " + amountOf(change) +
+         formatted(" against %s at %.1f s", others.c_str(), seconds);
+}
+
+// From the rig as it was saved, whose own sigmas count too.
+std::optional<MountChange> RigSession::changeSinceSaved(const RigEstimate& estimate,
+                                                        int camera) const {
+  AuditOptions options;
+  options.tolerance_px =
+      convergedRms(options_.converged_pixel_rms, estimate.rig.cameras[camera].width());
+  const PlaceMatrix& saved = restored_->places[camera].difference_covariance;
+  RigEstimate both = estimate;
+  both.places[camera].difference_covariance += saved;
+  const PlaceAudit audit = auditPlace(both, restored_->rig, camera, options);
+  if (audit.verdict != AuditVerdict::kWrong) return std::nullopt;
+  const PlaceVector difference =
+      placeDifference(estimate.rig, restored_->rig, camera, estimate.evidence->features);
+  const PlaceMatrix& covariance = both.places[camera].difference_covariance;
+  const double unit = estimate.rig.rig_from_camera[1].translation.norm();
+  MountChange change;
+  change.camera = camera;
+  change.onset_ns = first_ns_.value_or(0);
+  change.found_ns = estimate.poses.back().stamp_ns;
+  change.rotation = difference.head<3>();
+  change.rotation_covariance = covariance.topLeftCorner<3, 3>();
+  change.shift_known = audit.shift_judged;
+  change.shift = unit * difference.tail<3>();
+  change.shift_covariance = unit * unit * covariance.bottomRightCorner<3, 3>();
+  change.p_value = std::min(audit.turn.p_value, audit.shift.p_value);
+  return change;
+}
+
+// All keyframes are from after the change: none goes.
+void RigSession::compareWithSaved(const RigEstimate& estimate) {
+  std::vector<MountChange> changes;
+  for (int c = 1; c < estimate.rig.size(); ++c) {
+    if (auto change = changeSinceSaved(estimate, c)) changes.push_back(*change);
+  }
+  compared_ = true;
+  if (changes.empty()) return;
+  report_.estimate.converged = false;
+  if (!(options_.false_alarms_per_hour > 0.0)) return;
+  // Where all others are elsewhere, it is the first that was moved, or they were one by one.
+  const bool first =
+      changes.size() > 1 && static_cast<int>(changes.size()) + 1 == estimate.rig.size();
+  for (MountChange& change : changes) {
+    change.epoch = ++report_.epoch;
+    change.sentence =
+        asSentence(nameOf(change.camera) + " is not where it was when the rig was saved: it was " +
+                   amountOf(change) + (first ? "; so were all others, or else " + nameOf(0) : ""));
+    remember(change);
+  }
 }
 
 void RigSession::take(RigEstimate estimate) {
+  if (restored_ && estimate.usable && doubt_.empty()) compareWithSaved(estimate);
   if (!doubt_.empty() && estimate.converged) {
     estimate.converged = false;
     estimate.sentence = withFullStop(estimate.sentence) + " " + asSentence(doubt_);
@@ -243,6 +312,7 @@ void RigSession::take(RigEstimate estimate) {
   report_.last_failure = better ? "" : estimate.sentence;
   if (!better) return;
   known_ = {estimate.rig, estimate.inverse_depth};
+  restored_.reset();
   if (estimate.converged) report_.anew.clear();
   report_.estimate = std::move(estimate);
   ++report_.revision;
@@ -282,7 +352,11 @@ void RigSession::judge(RigReport* report) const {
     report->hint = "turn the rig about all axes, where there is much to see";
     return;
   }
-  report->sentence = anew + estimate.sentence;
+  report->sentence = anew +
+                     (!restored_  ? ""
+                      : compared_ ? "As it was saved, and the images agree: "
+                                  : "As it was saved, not compared with the images yet: ") +
+                     estimate.sentence;
   report->hint = estimate.hint;
   if (!report->last_failure.empty()) {
     report->sentence = withFullStop(report->sentence) +

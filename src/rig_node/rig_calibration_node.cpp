@@ -68,6 +68,7 @@ void RigCalibrationNode::start(const std::string& name) {
   calibrator_ = std::make_unique<RigSelfCalibrator>(
       options_.rig(), std::vector<Options>(ports_.size(), options_.camera.pipeline),
       SelfCalibrator::Mode::kThreaded, callbacks);
+  loadRig();
   ros::NodeHandle services(private_node_);
   services.setCallbackQueue(&service_queue_);
   save_ = services.advertiseService("save", &RigCalibrationNode::save, this);
@@ -81,6 +82,10 @@ RigCalibrationNode::~RigCalibrationNode() {
   timer_.stop();
   save_.shutdown();
   if (service_spinner_) service_spinner_->stop();
+  {
+    const std::lock_guard<std::mutex> lock(report_mutex_);
+    closing_ = true;
+  }
   calibrator_.reset();
 }
 
@@ -99,6 +104,35 @@ void RigCalibrationNode::addPort(int camera) {
   ports_.push_back(std::move(port));
 }
 
+void RigCalibrationNode::loadRig() {
+  RigStore::Loaded loaded = store_->loadRig();
+  if (!loaded.note.empty()) log_.info(loaded.note);
+  if (!loaded.problem.empty()) log_.warn(loaded.problem);
+  loaded_rig_ = std::move(loaded.rig);
+  if (loaded_rig_ && options_.baseline > 0.0) setBaseline(options_.baseline, &*loaded_rig_);
+}
+
+// Once the size of its images is known. The rig holds for the lenses that it was learnt with, so
+// that it is restored with the last of them, or not at all.
+void RigCalibrationNode::restoreCamera(int camera, int width, int height) {
+  const std::string who = cameraText(options_, camera);
+  const CalibrationStore::Loaded loaded =
+      store_->loadCamera(camera, options_.camera.pipeline.model, width, height);
+  for (const std::string& problem : loaded.problems) log_.warn(who + ": " + problem);
+  if (loaded.state) {
+    log_.info(who + ": what was learnt before is restored");
+    calibrator_->restore(camera, loaded.state);
+  }
+  if (!loaded_rig_) return;
+  const Camera& lens = loaded_rig_->rig.cameras[camera];
+  if (!loaded.state || lens.width() != width || lens.height() != height) {
+    log_.warn("the saved rig is not used, since " + who + " begins anew");
+    loaded_rig_.reset();
+  } else if (++cameras_restored_ == options_.cameras()) {
+    calibrator_->restore(*loaded_rig_);
+  }
+}
+
 void RigCalibrationNode::onImage(int camera, InputImage image) {
   Port& port = *ports_[camera];
   const std::string foreign = port.watch.check(image.publisher);
@@ -108,6 +142,9 @@ void RigCalibrationNode::onImage(int camera, InputImage image) {
   if (verdict != InputVerdict::kUse) problem = port.monitor.counts().last_problem;
   if (!problem.empty()) log_.warnThrottled(cameraText(options_, camera) + ": " + problem);
   const bool usable = verdict != InputVerdict::kReject;
+  if (usable && !std::exchange(port.restored, true)) {
+    restoreCamera(camera, image.gray.view->width, image.gray.view->height);
+  }
   const bool dropped = usable && !calibrator_->process(camera, *image.gray.view);
   const std::lock_guard<std::mutex> lock(mutex_);
   port.counts = port.monitor.counts();
@@ -119,6 +156,7 @@ void RigCalibrationNode::onImage(int camera, InputImage image) {
 // From the threads of all cameras and that of the joint solutions.
 void RigCalibrationNode::onReport(const RigReport& report) {
   const std::lock_guard<std::mutex> one_at_a_time(report_mutex_);
+  if (closing_) return;
   for (const std::string& warning : camera_info_->update(report)) log_.warn(warning);
   const bool converged = report.state == CalibrationState::kConverged;
   if (converged && published_revision_ != report.revision) {
@@ -180,8 +218,7 @@ void RigCalibrationNode::raise(const Event& event, const std::string& who) {
 }
 
 bool RigCalibrationNode::save(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  const CalibrationStore::Outcome outcome =
-      saveTo(store_->hasFile() ? store_.get() : fallback_store_.get(), calibrator_->report());
+  const CalibrationStore::Outcome outcome = saveTo(fallback_store_.get(), calibrator_->report());
   response.success = outcome.success;
   response.message = outcome.message;
   return true;
@@ -189,11 +226,13 @@ bool RigCalibrationNode::save(std_srvs::Trigger::Request&, std_srvs::Trigger::Re
 
 CalibrationStore::Outcome RigCalibrationNode::saveTo(RigStore* store, const RigReport& report) {
   std::vector<sensor_msgs::CameraInfo> infos;
+  std::vector<std::shared_ptr<const LearntState>> states;
   for (int c = 0; c < options_.cameras(); ++c) {
     const Camera& camera = report.cameras[c].camera;
     infos.push_back(camera_info_->infoFor(c, std_msgs::Header(), camera.width(), camera.height()));
+    states.push_back(calibrator_->state(c));
   }
-  const CalibrationStore::Outcome outcome = store->save(report, infos);
+  const CalibrationStore::Outcome outcome = store->save(report, infos, states);
   if (!outcome.success) log_.warn(outcome.message);
   const std::lock_guard<std::mutex> lock(mutex_);
   saving_ = outcome.message;

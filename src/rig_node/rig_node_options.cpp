@@ -27,6 +27,7 @@ void read(ParameterReader& read, RigNodeOptions* options) {
   read("publish_tf", &options->publish_tf);
   read("camera_info_urls", &options->camera_info_urls);
   read("camchain_file", &options->camchain_file);
+  read("state_folder", &options->state_folder);
 }
 
 void checkCount(const char* name, const std::vector<std::string>& values, std::size_t cameras,
@@ -56,6 +57,8 @@ void checkFiles(const RigNodeOptions& options, std::vector<std::string>* problem
   checkDifferent("camera_info_urls", files, problems);
   const ResolvedPath chain = resolvePath(options.camchain_file, "camera");
   if (!chain.error.empty()) problems->push_back("camchain_file: " + chain.error);
+  const ResolvedPath folder = resolvePath(options.state_folder, "camera");
+  if (!folder.error.empty()) problems->push_back("state_folder: " + folder.error);
 }
 
 }  // namespace

@@ -18,11 +18,11 @@ SequenceOptions checked(const SequenceOptions& options) {
 }
 
 Trajectory trajectoryOf(const SequenceOptions& options) {
-  if (options.trajectory) return *options.trajectory;
+  if (options.trajectory) return mounted(*options.trajectory, options.mount);
   SyntheticMotionOptions motion = options.motion;
   motion.box = makeRoom(options.room).free_space;
   motion.duration_s = options.duration_s;
-  return syntheticMotion(motion);
+  return mounted(syntheticMotion(motion), options.mount);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <boost/program_options.hpp>
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <stdexcept>
 
@@ -220,7 +221,13 @@ void readRig(const po::variables_map& given, CalibrateBagArguments* arguments) {
   rig.example = arguments->report;
   rig.audit = arguments->extras.audit;
   if (given.count("audit") == 0) return;
-  rig.audited = readRigCalibration(given["audit"].as<std::string>());
+  const auto audited = given["audit"].as<std::string>();
+  rig.audited = readRigCalibration(audited);
+  std::error_code none;
+  if (std::filesystem::equivalent(audited, std::filesystem::path(arguments->out) / "camchain.yaml",
+                                  none)) {
+    throw std::runtime_error("--audit names a file that --out would replace; give another folder");
+  }
   if (rig.audited->cameras.size() == cameras) return;
   throw std::runtime_error(
       formatted("the camchain of --audit holds %d cameras, and --topics names %zu",

@@ -44,6 +44,7 @@ pre { background: var(--panel); border: 1px solid var(--grid); border-radius: 6p
 .row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 340px), 1fr));
   gap: 14px 20px; margin: 10px 0; }
 figure { margin: 0; max-width: 680px; }
+.photo:only-child { max-width: none; }
 figure img, figure svg { width: 100%; height: auto; display: block; }
 figure svg svg { overflow: hidden; }
 figure rect { shape-rendering: crispEdges; }
@@ -171,8 +172,9 @@ void HtmlPage::photographs(
     if (picture.empty()) continue;
     std::vector<std::uint8_t> jpeg;
     cv::imencode(".jpg", picture, jpeg, {cv::IMWRITE_JPEG_QUALITY, 88});
-    body_ += "<figure><img alt=\"" + htmlEscaped(caption) + "\" src=\"data:image/jpeg;base64," +
-             base64(jpeg) + "\"><figcaption>" + htmlEscaped(caption) + "</figcaption></figure>\n";
+    body_ += "<figure class=\"photo\"><img alt=\"" + htmlEscaped(caption) +
+             "\" src=\"data:image/jpeg;base64," + base64(jpeg) + "\"><figcaption>" +
+             htmlEscaped(caption) + "</figcaption></figure>\n";
   }
   body_ += "</div>\n";
 }

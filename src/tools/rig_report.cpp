@@ -17,19 +17,15 @@
 namespace camera_self_calibration {
 namespace {
 
-std::string unitOf(const RigEstimate& estimate) {
-  return estimate.metric ? "m" : "distances between the first two cameras";
-}
-
 std::string cameraName(const RigRecording& recording, std::size_t camera) {
   return formatted("camera %zu, %s", camera, recording.topics[camera].c_str());
 }
 
-/// "x, y, z", each with as many digits as its sigma has a use for.
+/// "x, y, z" with as many digits as the largest sigma has a use for.
 std::string vectorText(const Eigen::Vector3d& vector, const Eigen::Vector3d& sigmas) {
   std::string text;
   for (int i = 0; i < 3; ++i) {
-    text += (i > 0 ? ", " : "") + number(vector(i), decimalsFor(sigmas(i)));
+    text += (i > 0 ? ", " : "") + number(vector(i), decimalsFor(sigmas.maxCoeff()));
   }
   return text;
 }
@@ -57,7 +53,7 @@ void addHead(const RunDescription& run, const RigRecording& recording, HtmlPage*
                {"input", run.input},
                {"recorded", timeText(first.begin_ns) + ", " +
                                 number(toSeconds(first.end_ns - first.begin_ns), 1) + " s"},
-               {"lengths", "in " + unitOf(estimate)},
+               {"lengths", "in " + lengthUnit(estimate)},
                {"options", run.options.empty() ? "the defaults" : run.options},
                {"program", "camera_self_calibration " SELFCAL_VERSION}});
   double seconds = 0.0;
@@ -90,7 +86,7 @@ void addPlaces(const RigRecording& recording, HtmlPage* page) {
       "Where the cameras sit",
       "Against camera 0, in its optical frame: x to the right, y down, z forward. Rotation "
       "is a rotation vector. Sigma is one standard deviation; positions are in " +
-          unitOf(estimate) + ".");
+          lengthUnit(estimate) + ".");
   std::vector<std::vector<std::string>> rows = {{"", "rotation [deg]", "sigma", "position", "sigma",
                                                  "direction known to [deg]", "shared landmarks",
                                                  "clock [ms]"}};
@@ -223,7 +219,7 @@ void addTrajectory(const RigRecording& recording, const std::optional<Trajectory
                   number(truth->travelled, 1), number(truth->scale, 4)}});
   }
   page->charts({{drawTrajectory({recording.poses.begin(), recording.poses.end()}, {}, ground_truth,
-                                unitOf(recording.estimate)),
+                                lengthUnit(recording.estimate)),
                  "Path of the rig from above"}});
 }
 

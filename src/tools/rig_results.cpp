@@ -22,10 +22,6 @@ namespace fs = std::filesystem;
 
 Json vectorJson(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
 
-std::string lengthUnit(const RigEstimate& estimate) {
-  return estimate.metric ? "m" : "distance between the first two cameras";
-}
-
 Json placeJson(const RigRecording& recording, int c) {
   const RigEstimate& estimate = recording.estimate;
   const PlaceInRig& place = estimate.places[c];
@@ -124,7 +120,7 @@ std::vector<std::string> writeCalibration(const fs::path& folder, const RigRecor
 }
 
 std::string auditText(const RigAudit& audit) {
-  std::string text = "audit: " + toString(audit.verdict()) + ":";
+  std::string text = "audit of the rig: " + toString(audit.verdict()) + ":";
   for (std::size_t c = 0; c < audit.lenses.size(); ++c) {
     text += formatted(" The lens of camera %zu: %s.", c, toString(audit.lenses[c].verdict).c_str());
   }
@@ -145,11 +141,11 @@ std::string rigText(const RigRecording& recording) {
     text += toString(EventType::kMountChanged) + ": " + asSentence(change.sentence) + '\n';
   }
   if (!recording.estimate.hint.empty()) text += asSentence(recording.estimate.hint) + '\n';
-  if (recording.audit) text += auditText(*recording.audit);
   for (std::size_t c = 0; c < recording.cameras.size(); ++c) {
     text += formatted("\ncamera %zu, %s\n", c, recording.topics[c].c_str());
     text += reportText(recording.cameras[c]);
   }
+  if (recording.audit) text += '\n' + auditText(*recording.audit);
   return text;
 }
 

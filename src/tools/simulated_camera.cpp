@@ -46,7 +46,7 @@ Calibration trueCalibration(const Camera& camera) {
 }  // namespace
 
 SimulatedCamera::SimulatedCamera(const ros::NodeHandle& node, const SimulationOptions& options)
-    : options_(options), sequence_(options.sequence), node_(node) {
+    : options_(options), sequence_(options.sequence), node_(node, options.name) {
   constexpr std::uint32_t kQueue = 10;
   image_ = node_.advertise<sensor_msgs::Image>("image_raw", kQueue);
   camera_info_ = node_.advertise<sensor_msgs::CameraInfo>("camera_info", kQueue);
@@ -62,25 +62,17 @@ SimulatedCamera::SimulatedCamera(const ros::NodeHandle& node, const SimulationOp
   }
 }
 
-void SimulatedCamera::run() {
-  if (!options_.wait_for.empty() && !waitForSubscribers()) return;
-  const ros::WallDuration period(1.0 / options_.sequence.rate_hz);
-  ros::WallTime due = ros::WallTime::now();
-  for (int i = 0; i < sequence_.size() && ros::ok(); ++i) {
-    const SimulatedFrame frame = sequence_.frame(i);
-    if (i == 0) publishTruth(frame);
-    const ros::WallTime now = ros::WallTime::now();
-    if (now < due) (due - now).sleep();
-    // After a delay the camera goes on at its rate rather than catching up.
-    due = std::max(due, now) + period;
-    publishClock(frame.stamp_ns);
-    publishFrame(frame);
-    if (!options_.wait_for.empty()) waitUntilProcessed(toRosTime(frame.stamp_ns));
-  }
-  publishFinished(sequence_.stampNs(sequence_.size() - 1));
+void SimulatedCamera::publish(const SimulatedFrame& frame) {
+  if (frame.stamp_ns == sequence_.stampNs(0)) publishTruth(frame);
+  publishClock(frame.stamp_ns);
+  publishFrame(frame);
+  if (!options_.wait_for.empty()) waitUntilProcessed(toRosTime(frame.stamp_ns));
 }
 
+void SimulatedCamera::finish() { publishFinished(sequence_.stampNs(sequence_.size() - 1)); }
+
 bool SimulatedCamera::waitForSubscribers() {
+  if (options_.wait_for.empty()) return true;
   const auto subscribers = static_cast<std::uint32_t>(options_.image_subscribers);
   while (ros::ok() &&
          (image_.getNumSubscribers() < subscribers || status_.getNumPublishers() == 0)) {
@@ -136,6 +128,25 @@ void SimulatedCamera::waitUntilProcessed(const ros::Time& stamp) {
   while (ros::ok() && processed_ < stamp && ros::WallTime::now() < limit) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
   }
+}
+
+void run(std::vector<std::unique_ptr<SimulatedCamera>>* cameras) {
+  for (const auto& camera : *cameras) {
+    if (!camera->waitForSubscribers()) return;
+  }
+  const SimulatedCamera& first = *cameras->front();
+  const ros::WallDuration period(1.0 / first.rate());
+  ros::WallTime due = ros::WallTime::now();
+  for (int i = 0; i < first.size() && ros::ok(); ++i) {
+    std::vector<SimulatedFrame> frames;
+    for (const auto& camera : *cameras) frames.push_back(camera->frame(i));
+    const ros::WallTime now = ros::WallTime::now();
+    if (now < due) (due - now).sleep();
+    // After a delay the cameras go on at their rate rather than catching up.
+    due = std::max(due, now) + period;
+    for (std::size_t c = 0; c < frames.size(); ++c) (*cameras)[c]->publish(frames[c]);
+  }
+  for (const auto& camera : *cameras) camera->finish();
 }
 
 }  // namespace camera_self_calibration

@@ -4,6 +4,8 @@
 
 #include <cstring>
 #include <iostream>
+#include <memory>
+#include <vector>
 
 #include "camera_self_calibration/tools/simulated_camera.h"
 
@@ -19,7 +21,12 @@ constexpr const char* kUsage =
     "exposure [s], motion (handheld, planar, yaw_driving, rotation_only, forward_only,\n"
     "sideways_only, still), trajectory (TUM file), speed, seed, moving_share, carried_share,\n"
     "text_overlay, auto_exposure, frame_id, publish_clock, wait_for.\n"
-    "Topics: image_raw, camera_info, truth/camera_info, truth/calibration, truth/pose.\n";
+    "Of a rig: cameras (names), and below each name what differs: the lens, mount (x, y, z [m] "
+    "and\n"
+    "rotation vector [degrees] on the body), bump_at [s] with bump (the same, in the camera's own\n"
+    "frame), late [s] (how much after its stamps it takes images).\n"
+    "Topics: image_raw, camera_info, truth/camera_info, truth/calibration, truth/pose; of a rig\n"
+    "below the camera's name.\n";
 
 }  // namespace
 
@@ -32,8 +39,11 @@ int main(int argc, char** argv) {
   ros::init(argc, argv, "simulated_camera");
   const ros::NodeHandle node;
   try {
-    SimulatedCamera camera(node, readSimulationOptions(ros::NodeHandle("~")));
-    camera.run();
+    std::vector<std::unique_ptr<SimulatedCamera>> cameras;
+    for (const SimulationOptions& options : readSimulationOptions(ros::NodeHandle("~"))) {
+      cameras.push_back(std::make_unique<SimulatedCamera>(node, options));
+    }
+    run(&cameras);
     ros::spin();
     return 0;
   } catch (const std::exception& e) {

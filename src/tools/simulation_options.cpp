@@ -1,15 +1,38 @@
 #include "camera_self_calibration/tools/simulation_options.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/simulation/tum_file.h"
 
 namespace camera_self_calibration {
 namespace {
 
+/// Those of one camera of a rig stand in the namespace of its name, where they differ from what all
+/// have in common.
+class CameraParameters {
+ public:
+  CameraParameters(const ros::NodeHandle& common, const std::string& name) : common_(common) {
+    if (!name.empty()) own_ = ros::NodeHandle(common, name);
+  }
+
+  template <typename T>
+  T param(const std::string& name, const T& fallback) const {
+    const T common = common_.param(name, fallback);
+    return own_ ? own_->param(name, common) : common;
+  }
+
+ private:
+  ros::NodeHandle common_;
+  std::optional<ros::NodeHandle> own_;
+};
+
 /// The lens of a camera by parameters; a wide one by default.
-Camera readCamera(const ros::NodeHandle& node) {
+Camera readCamera(const CameraParameters& node) {
   const auto name = node.param<std::string>("model", "fov");
   const std::optional<CameraModel> model = cameraModelFromString(name);
   if (!model) {
@@ -36,7 +59,7 @@ Camera readCamera(const ros::NodeHandle& node) {
   return Camera(*model, width, height, lens);
 }
 
-void readMotion(const ros::NodeHandle& node, SequenceOptions* sequence) {
+void readMotion(const CameraParameters& node, SequenceOptions* sequence) {
   const auto seed = static_cast<std::uint64_t>(node.param("seed", 1));
   sequence->room.seed = seed;
   sequence->motion.seed = seed;
@@ -64,7 +87,7 @@ void readMotion(const ros::NodeHandle& node, SequenceOptions* sequence) {
 }
 
 // What spoils the images of an otherwise good scene.
-void readDisturbances(const ros::NodeHandle& node, SequenceOptions* sequence) {
+void readDisturbances(const CameraParameters& node, SequenceOptions* sequence) {
   const double moving = node.param("moving_share", 0.0);
   const double carried = node.param("carried_share", 0.0);
   if (moving != 0.0 && carried != 0.0) {
@@ -75,6 +98,29 @@ void readDisturbances(const ros::NodeHandle& node, SequenceOptions* sequence) {
   sequence->objects.seed = sequence->noise_seed;
   sequence->text_overlay = node.param("text_overlay", sequence->text_overlay);
   sequence->auto_exposure = node.param("auto_exposure", sequence->auto_exposure);
+}
+
+/// x, y, z [m], then a rotation vector [degrees].
+Rigid3 readMotionOf(const CameraParameters& node, const std::string& name) {
+  const auto values = node.param(name, std::vector<double>(6, 0.0));
+  const auto finite = [](double value) { return std::isfinite(value); };
+  if (values.size() != 6 || !std::all_of(values.begin(), values.end(), finite)) {
+    throw std::runtime_error(name + " must hold x, y, z [m] and a rotation vector [degrees]");
+  }
+  const Eigen::Map<const Vector6d> motion(values.data());
+  return {expSo3(kDegree * motion.tail<3>()), motion.head<3>()};
+}
+
+void readMount(const CameraParameters& node, Mount* mount) {
+  mount->body_from_camera = readMotionOf(node, "mount");
+  mount->bump = readMotionOf(node, "bump");
+  mount->bump_at_s = node.param("bump_at", mount->bump_at_s);
+  mount->late_s = node.param("late", mount->late_s);
+  const bool bumped = mount->bump.translation.norm() + logSo3(mount->bump.rotation).norm() > 0.0;
+  if (bumped && !std::isfinite(mount->bump_at_s)) {
+    throw std::runtime_error("bump needs a time: give bump_at [s]");
+  }
+  if (!std::isfinite(mount->late_s)) throw std::runtime_error("late must be a number of seconds");
 }
 
 void check(const SimulationOptions& options) {
@@ -89,21 +135,45 @@ void check(const SimulationOptions& options) {
   throw std::runtime_error("the parameters cannot be used:" + text);
 }
 
-}  // namespace
-
-SimulationOptions readSimulationOptions(const ros::NodeHandle& private_node) {
+SimulationOptions readCameraOptions(const ros::NodeHandle& private_node, const std::string& name) {
+  const CameraParameters node(private_node, name);
   SimulationOptions options;
-  options.sequence.lens.camera = readCamera(private_node);
-  readMotion(private_node, &options.sequence);
-  readDisturbances(private_node, &options.sequence);
-  options.frame_id = private_node.param("frame_id", options.frame_id);
-  options.world_frame = private_node.param("world_frame", options.world_frame);
-  options.publish_clock = private_node.param("publish_clock", options.publish_clock);
-  options.wait_for = private_node.param("wait_for", options.wait_for);
-  options.image_subscribers = private_node.param("image_subscribers", options.image_subscribers);
-  options.wait_limit_s = private_node.param("wait_limit", options.wait_limit_s);
+  options.name = name;
+  options.sequence.lens.camera = readCamera(node);
+  // On one body, in one room.
+  const CameraParameters common(private_node, "");
+  readMotion(common, &options.sequence);
+  readDisturbances(common, &options.sequence);
+  if (!name.empty() && options.sequence.objects.share > 0.0) {
+    throw std::runtime_error(
+        "moving_share and carried_share are for one camera; leave out cameras");
+  }
+  readMount(node, &options.sequence.mount);
+  options.frame_id = node.param("frame_id", name.empty() ? options.frame_id : name);
+  options.world_frame = node.param("world_frame", options.world_frame);
+  options.publish_clock = node.param("publish_clock", options.publish_clock);
+  options.wait_for = node.param("wait_for", options.wait_for);
+  options.image_subscribers = node.param("image_subscribers", options.image_subscribers);
+  options.wait_limit_s = node.param("wait_limit", options.wait_limit_s);
   check(options);
   return options;
+}
+
+}  // namespace
+
+std::vector<SimulationOptions> readSimulationOptions(const ros::NodeHandle& private_node) {
+  const auto names = private_node.param("cameras", std::vector<std::string>());
+  if (names.empty()) return {readCameraOptions(private_node, "")};
+  std::vector<SimulationOptions> cameras;
+  for (const std::string& name : names) {
+    cameras.push_back(readCameraOptions(private_node, name));
+    SimulationOptions& camera = cameras.back();
+    camera.sequence.noise_seed += cameras.size() - 1;  // each has its own
+    camera.publish_clock = camera.publish_clock && cameras.size() == 1;
+    if (camera.wait_for.empty()) continue;
+    throw std::runtime_error("wait_for is for one camera; leave out cameras");
+  }
+  return cameras;
 }
 
 }  // namespace camera_self_calibration

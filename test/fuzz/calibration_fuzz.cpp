@@ -43,6 +43,20 @@ void read(const std::string& text, CalibrationFormat format, const std::string& 
   }
 }
 
+void readRig(const std::string& text) {
+  try {
+    const Rig rig = parseRigCalibration(text);
+    require(rig.size() >= 2, "a rig has two cameras");
+    for (const Camera& camera : rig.cameras) require(camera.valid(), "its cameras are valid");
+    for (const Rigid3& pose : rig.rig_from_camera) {
+      require(pose.translation.allFinite() && std::abs(pose.rotation.norm() - 1.0) < 1e-9,
+              "and where they sit");
+    }
+  } catch (const std::runtime_error&) {
+    // Not a camchain.
+  }
+}
+
 }  // namespace
 }  // namespace camera_self_calibration
 
@@ -57,5 +71,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const std::optional<CalibrationFormat> format =
       given < kFormats ? std::optional(static_cast<CalibrationFormat>(given)) : detected(text);
   if (format) read(text, *format, bytes[0] < 128 ? "" : "cam1");
+  readRig(text);
   return 0;
 }

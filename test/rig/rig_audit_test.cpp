@@ -197,6 +197,26 @@ TEST_F(RigAuditTest, WhatTheVideoDoesNotTellIsLeftOpen) {
   EXPECT_EQ(judged(half).verdict, AuditVerdict::kCannotTell);
 }
 
+// Where nothing tells the position, a right turn is not all.
+TEST_F(RigAuditTest, APositionThatIsNotToldIsNotGood) {
+  RigEstimate vague = estimate();
+  vague.places[1].position_known = false;
+  const PlaceAudit audit = auditPlace(vague, truth(), 1, {});
+  EXPECT_EQ(audit.verdict, AuditVerdict::kCannotTell) << audit.sentence;
+  Rig turned = truth();
+  turned.rig_from_camera[1].rotation =
+      expSo3({0.01, 0.0, 0.0}) * turned.rig_from_camera[1].rotation;
+  EXPECT_EQ(auditPlace(vague, turned, 1, {}).verdict, AuditVerdict::kWrong);
+}
+
+TEST_F(RigAuditTest, ClocksThatDisagreeDecideNothing) {
+  RigEstimate late = estimate();
+  late.places[1].time_offset.seconds = 0.01;
+  late.places[1].time_offset.sigma = 0.0005;
+  ASSERT_TRUE(late.places[1].time_offset.harms());
+  EXPECT_EQ(auditPlace(late, truth(), 1, {}).verdict, AuditVerdict::kCannotTell);
+}
+
 TEST_F(RigAuditTest, OneWrongPartMakesTheRigWrong) {
   AuditReport good, wrong, open;
   good.verdict = AuditVerdict::kGood;

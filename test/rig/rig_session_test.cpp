@@ -155,5 +155,82 @@ TEST(RigSession, JointIntrinsicsTakeThePlaceOfACamerasOwn) {
             CalibrationState::kConverging);
 }
 
+// What is left of an estimate when the program starts again.
+RigEstimate saved(const RigReport& report) {
+  RigEstimate estimate = report.estimate;
+  estimate.evidence.reset();
+  estimate.poses.erase(estimate.poses.begin(), estimate.poses.end() - 1);
+  return estimate;
+}
+
+RigReport firstRun() {
+  Session session;
+  session.lensesAreKnown();
+  session.see();
+  return session->solve();
+}
+
+TEST(RigSession, ARestoredRigHoldsFromTheFirstImageAndIsChecked) {
+  const RigReport before = firstRun();
+  Session session;
+  session->restore(saved(before));
+  EXPECT_EQ(session->report().state, CalibrationState::kInitializing);
+  session.lensesAreKnown();
+  const RigReport restored = session->report();
+  EXPECT_EQ(restored.state, CalibrationState::kConverged) << restored.sentence;
+  EXPECT_TRUE(says(restored, "not compared with the images yet")) << restored.sentence;
+  EXPECT_EQ(restored.estimate.rig.rig_from_camera[1].translation,
+            before.estimate.rig.rig_from_camera[1].translation);
+  session.see();
+  const RigReport report = session->solve();
+  EXPECT_EQ(report.state, CalibrationState::kConverged) << report.sentence;
+  EXPECT_FALSE(says(report, "As it was saved")) << report.sentence;
+  EXPECT_TRUE(report.mount_changes.empty());
+  EXPECT_GT(report.revision, restored.revision);
+}
+
+TEST(RigSession, ACameraThatWasMovedMeanwhileIsFound) {
+  RigEstimate before = saved(firstRun());
+  Eigen::Quaterniond& rotation = before.rig.rig_from_camera[1].rotation;
+  rotation = expSo3({0.004, -0.005, 0.003}) * rotation;
+  Session session;
+  session->restore(before);
+  session.lensesAreKnown();
+  session.see();
+  const RigReport report = session->solve();
+  ASSERT_EQ(report.mount_changes.size(), 1u) << report.sentence;
+  const MountChange& change = report.mount_changes.front();
+  EXPECT_NE(change.sentence.find("not where it was when the rig was saved"), std::string::npos);
+  EXPECT_LT((change.rotation - Eigen::Vector3d(-0.004, 0.005, -0.003)).norm(), 5e-4);
+  EXPECT_EQ(change.epoch, report.epoch);
+  EXPECT_EQ(report.state, CalibrationState::kConverged) << report.sentence;
+  EXPECT_LT(angleBetween(report.estimate.rig.rig_from_camera[1].rotation,
+                         stereo().truth.rig_from_camera[1].rotation),
+            1e-3);
+}
+
+// By less than the sigmas of what was saved.
+TEST(RigSession, ASavedRigThatWasVagueIsNoCameraThatWasMoved) {
+  RigEstimate before = saved(firstRun());
+  Eigen::Quaterniond& rotation = before.rig.rig_from_camera[1].rotation;
+  rotation = expSo3({0.004, -0.005, 0.003}) * rotation;
+  before.places[1].difference_covariance += 1e-5 * PlaceMatrix::Identity();
+  Session session;
+  session->restore(before);
+  session.lensesAreKnown();
+  session.see();
+  EXPECT_TRUE(session->solve().mount_changes.empty());
+}
+
+TEST(RigSession, ALensThatChangedEndsWhatWasRestored) {
+  Session session;
+  session->restore(saved(firstRun()));
+  session.lensesAreKnown();
+  ASSERT_EQ(session->report().state, CalibrationState::kConverged);
+  session->update(1, knownLens(stereo().truth.cameras[1], 1));
+  EXPECT_EQ(session->report().state, CalibrationState::kConverging);
+  EXPECT_FALSE(says(session->report(), "As it was saved")) << session->report().sentence;
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
+#include "camera_self_calibration/simulation/mount.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "camera_self_calibration/simulation/room.h"
 
@@ -24,14 +25,13 @@ Rigid3 inOwnMap(const Rigid3& world_from_camera, int camera, const SimulatedRigO
 }
 
 Trajectory ofCamera(const Trajectory& rig, int camera, const SimulatedRigOptions& options) {
-  const Rigid3 before = options.rig.rig_from_camera[camera];
-  const Rigid3 after = camera == options.changed ? before * options.bump : before;
-  const double change_s = options.change_at_s;
-  return Trajectory(
-      [rig, before, after, change_s](double time_s) {
-        return rig.worldFromCamera(time_s) * (time_s < change_s ? before : after);
-      },
-      rig.duration());
+  Mount mount;
+  mount.body_from_camera = options.rig.rig_from_camera[camera];
+  if (camera == options.changed) {
+    mount.bump_at_s = options.change_at_s;
+    mount.bump = options.bump;
+  }
+  return mounted(rig, mount);
 }
 
 Lens lensOf(int camera, const SimulatedRigOptions& options) {

@@ -58,10 +58,8 @@ std::vector<SimulatedSequence> sequences() {
     options.rate_hz = 12.0;
     options.duration_s = motion.duration_s;
     options.noise_seed = 1 + static_cast<std::uint64_t>(c);
-    options.trajectory =
-        Trajectory([way, rig_from_camera](
-                       double time_s) { return way.worldFromCamera(time_s) * rig_from_camera; },
-                   way.duration());
+    options.trajectory = way;
+    options.mount.body_from_camera = rig_from_camera;
     result.emplace_back(options);
   }
   return result;

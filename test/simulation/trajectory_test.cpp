@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/simulation/mount.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "camera_self_calibration/simulation/synthetic_motion.h"
 #include "camera_self_calibration/simulation/tum_file.h"
@@ -250,6 +251,33 @@ TEST(RealMotion, RecordedTrajectoriesAreUsable) {
       ASSERT_LT(trajectory.velocity(t).norm(), 20.0) << name << " at " << t << " s";
     }
   }
+}
+
+TEST(Mount, TheCameraMovesWithTheBodyUntilItIsBumped) {
+  const Trajectory body = syntheticMotion(SyntheticMotionOptions());
+  Mount mount;
+  mount.body_from_camera = Rigid3(expSo3({0.1, 0.5, -0.2}), {0.2, -0.1, 0.05});
+  mount.bump_at_s = 3.0;
+  mount.bump = Rigid3(expSo3({0.0, 0.0, 0.01}), {0.003, 0.0, 0.0});
+  const Trajectory camera = mounted(body, mount);
+  EXPECT_EQ(camera.duration(), body.duration());
+  const auto onBody = [&](double time_s) {
+    return body.worldFromCamera(time_s).inverse() * camera.worldFromCamera(time_s);
+  };
+  for (const double time_s : {0.0, 1.3, 2.99}) {
+    EXPECT_TRUE(onBody(time_s).translation.isApprox(mount.body_from_camera.translation, 1e-9));
+  }
+  const Rigid3 moved = mount.body_from_camera.inverse() * onBody(3.01);
+  EXPECT_TRUE(moved.translation.isApprox(mount.bump.translation, 1e-9));
+  EXPECT_NEAR(logSo3(moved.rotation).z(), 0.01, 1e-9);
+}
+
+TEST(Mount, ALateCameraIsWhereTheBodyWillBe) {
+  const Trajectory body = syntheticMotion(SyntheticMotionOptions());
+  Mount mount;
+  mount.late_s = 0.007;
+  EXPECT_TRUE(mounted(body, mount).worldFromCamera(2.0).translation.isApprox(
+      body.worldFromCamera(2.007).translation, 1e-12));
 }
 
 }  // namespace

@@ -319,7 +319,7 @@ TEST(CalibrateBag, TheReportStandsByItself) {
     return found;
   };
   EXPECT_GE(count("<figure><svg"), 12u);
-  EXPECT_EQ(count("<figure><img"), 2u) << "an image with its tracks, and undistorted";
+  EXPECT_EQ(count("<img alt"), 2u) << "an image with its tracks, and undistorted";
   EXPECT_EQ(count("<svg"), count("</svg>"));
 }
 

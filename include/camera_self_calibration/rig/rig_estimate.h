@@ -73,7 +73,8 @@ struct RigEstimate {
   int observations = 0;
   /// Typical, of what the first camera follows [1/unit of the positions]: how far away things are.
   double inverse_depth = 1.0;
-  std::shared_ptr<const RigEvidence> evidence;  ///< Null where it is not usable.
+  /// Null where it is not usable, or was saved and read again.
+  std::shared_ptr<const RigEvidence> evidence;
 };
 
 /// Of what is near, as a share of the image's width.
@@ -98,6 +99,13 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
                         const std::optional<Rig>& other, std::optional<double> baseline_m,
                         const std::vector<ImageWeights>& features,
                         std::vector<RigSegment>* segments);
+
+/// In words: metres, or distances between the first two cameras.
+std::string lengthUnit(const RigEstimate& estimate);
+
+/// Makes the lengths of a usable estimate metric, or other ones if they were: positions, their
+/// covariance and the sentence.
+void setBaseline(double baseline_m, RigEstimate* estimate);
 
 /// The place of one camera in words: how it is turned, where it sits, and how well both are known.
 std::string placeText(const RigEstimate& estimate, int camera);

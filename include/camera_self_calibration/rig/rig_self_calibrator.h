@@ -33,6 +33,13 @@ class RigSelfCalibrator {
                     SelfCalibrator::Mode mode, RigCallbacks callbacks);
   ~RigSelfCalibrator();
 
+  /// As RigSession::restore, and SelfCalibrator::restore and state of one camera.
+  void restore(const RigEstimate& before) { session_.restore(before); }
+  void restore(int camera, const std::shared_ptr<const LearntState>& state) {
+    cameras_[camera]->restore(state);
+  }
+  std::shared_ptr<const LearntState> state(int camera) const { return cameras_[camera]->state(); }
+
   /// As SelfCalibrator::process; those of one camera in the order of time.
   bool process(int camera, const ImageView& image);
 

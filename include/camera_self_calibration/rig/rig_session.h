@@ -48,6 +48,12 @@ class RigSession {
   /// `across` as for RigCalibrator.
   RigSession(const RigOptions& options, int cameras, const FindAcross& across);
 
+  /// What was known of the rig when it ran last, to begin with: it holds until a joint solution
+  /// takes its place. Where one shows a camera elsewhere, by more than the pixels that CONVERGED
+  /// allows and the sigmas of both, the camera was moved meanwhile. For as many cameras and images
+  /// of the same sizes, before the first joint solution.
+  void restore(const RigEstimate& before);
+
   /// An image that a camera processed. Counts from when all cameras know their lenses.
   void add(int camera, const FrameResult& result);
 
@@ -89,6 +95,10 @@ class RigSession {
   bool conclude(const MountVerdict& verdict, const KnownRig& known);
   std::string doubtText(const MountVerdict& verdict) const;
   void take(RigEstimate estimate);
+  std::optional<MountChange> changeSinceSaved(const RigEstimate& estimate, int camera) const;
+  void compareWithSaved(const RigEstimate& estimate);
+  void remember(const MountChange& change);
+  std::string amountOf(const MountChange& change) const;
   std::string textOf(const MountChange& change) const;
   std::string nameOf(int camera) const;
   void judge(RigReport* report) const;
@@ -103,6 +113,8 @@ class RigSession {
   RigCalibrator calibrator_;
   MountWatch watch_;
   std::optional<KnownRig> known_;
+  std::optional<RigEstimate> restored_;  // until a joint solution has taken its place
+  bool compared_ = false;                // with one that did not
   std::string doubt_;     // whether a camera was moved, in words; empty if there is none
   bool certain_ = false;  // of a doubt: something changed, and it is open what
   std::optional<std::int64_t> first_ns_;  // stamp of the first image

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +44,7 @@ class RigCalibrationNode {
     ros::Publisher extrinsics;
     PublisherWatch watch;
     InputMonitor monitor;
+    bool restored = false;  // from what was learnt before, if anything was
     // What follows is read by other threads, under mutex_.
     InputCounts counts;
     std::string frame;  // of its images
@@ -53,6 +55,8 @@ class RigCalibrationNode {
 
   void start(const std::string& name);
   void addPort(int camera);
+  void loadRig();
+  void restoreCamera(int camera, int width, int height);
   void onImage(int camera, InputImage image);
   void onReport(const RigReport& report);
   void publishPlaces(const RigReport& report);
@@ -77,11 +81,14 @@ class RigCalibrationNode {
   std::unique_ptr<RigCameraInfo> camera_info_;
   std::unique_ptr<RigStore> store_;
   std::unique_ptr<RigStore> fallback_store_;
+  std::optional<RigEstimate> loaded_rig_;  // until it is restored
+  int cameras_restored_ = 0;
 
   std::mutex report_mutex_;  // one report at a time, for what follows
   std::uint64_t published_revision_ = 0;
   std::uint64_t saved_revision_ = 0;
   bool converged_ = false;
+  bool closing_ = false;  // nothing is to be told any more
 
   mutable std::mutex mutex_;  // for what follows, and in ports_
   std::string saving_;        // how the newest one ended

@@ -22,6 +22,7 @@ struct RigNodeOptions {
   bool publish_tf = false;                    ///< Where the cameras sit, on /tf_static.
   std::vector<std::string> camera_info_urls;  ///< One for each camera; empty: nothing is saved.
   std::string camchain_file;                  ///< Path or URL; empty: none.
+  std::string state_folder;  ///< What is learnt, for the next start; path or URL; empty: none.
 
   int cameras() const { return static_cast<int>(image_topics.size()); }
   RigOptions rig() const;

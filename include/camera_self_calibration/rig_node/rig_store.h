@@ -3,6 +3,8 @@
 #include <sensor_msgs/CameraInfo.h>
 
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +15,9 @@
 namespace camera_self_calibration {
 
 /// A rig on the disk: for each camera the CameraInfo as camera_info_manager keeps it (of a
-/// rectified pair: left.yaml and right.yaml for stereo_image_proc), and Kalibr's camchain. A file
-/// that is somebody else's is never written over. Thread-safe.
+/// rectified pair: left.yaml and right.yaml for stereo_image_proc), and Kalibr's camchain; for the
+/// next start what each camera has learnt, and the rig. A file that is somebody else's is never
+/// written over. Thread-safe.
 class RigStore {
  public:
   /// Where the options name no file: with `fallback` those that camera_info_manager would take and
@@ -23,16 +26,35 @@ class RigStore {
 
   bool hasFile() const { return !stores_.empty() || !camchain_file_.empty(); }
 
-  /// `infos`: as they go out at present. Of a rig that is not CONVERGED nothing is written.
+  struct Loaded {
+    std::optional<RigEstimate> rig;
+    std::string note;     ///< What was taken from where; empty if nothing.
+    std::string problem;  ///< What was refused, and why.
+  };
+  /// The rig as it was saved for these cameras.
+  Loaded loadRig() const;
+
+  /// What a camera had learnt, for images of this size.
+  CalibrationStore::Loaded loadCamera(int camera, std::optional<CameraModel> model, int width,
+                                      int height);
+
+  /// `infos` and `states`: of each camera, as they go out at present, and what it has learnt (null:
+  /// nothing yet). Of a rig that is not CONVERGED nothing is written, nor, where states are kept,
+  /// of one whose cameras have learnt another lens since the report.
   CalibrationStore::Outcome save(const RigReport& report,
-                                 const std::vector<sensor_msgs::CameraInfo>& infos);
+                                 const std::vector<sensor_msgs::CameraInfo>& infos,
+                                 const std::vector<std::shared_ptr<const LearntState>>& states);
 
  private:
   std::string saveCamchain(const RigReport& report) const;
+  std::string saveRig(const RigReport& report) const;
 
+  std::mutex mutex_;  // one save at a time
   std::vector<std::string> topics_;
   std::vector<std::unique_ptr<CalibrationStore>> stores_;  // one for each camera, or none
   std::string camchain_file_;
+  std::vector<std::string> names_;
+  std::string rig_file_;  // empty: nothing is kept for the next start
 };
 
 }  // namespace camera_self_calibration

@@ -9,6 +9,7 @@
 
 #include "camera_self_calibration/simulation/auto_exposure.h"
 #include "camera_self_calibration/simulation/lens.h"
+#include "camera_self_calibration/simulation/mount.h"
 #include "camera_self_calibration/simulation/moving_objects.h"
 #include "camera_self_calibration/simulation/renderer.h"
 #include "camera_self_calibration/simulation/room.h"
@@ -25,6 +26,7 @@ struct SequenceOptions {
   SyntheticMotionOptions motion;
   /// If given, in place of the synthetic motion.
   std::optional<Trajectory> trajectory;
+  Mount mount;               ///< Of the camera on what moves so.
   double rate_hz = 20.0;     ///< Of the images.
   double duration_s = 30.0;  ///< At most; a given trajectory may end earlier.
   MovingObjectsOptions objects;

@@ -5,6 +5,9 @@
 #include <ros/publisher.h>
 #include <ros/subscriber.h>
 
+#include <memory>
+#include <vector>
+
 #include "camera_self_calibration/simulation/simulated_sequence.h"
 #include "camera_self_calibration/tools/simulation_options.h"
 
@@ -19,12 +22,22 @@ class SimulatedCamera {
   /// Works off the global callback queue while it waits.
   SimulatedCamera(const ros::NodeHandle& node, const SimulationOptions& options);
 
-  /// Publishes all images at their rate, or as fast as the consumer follows; returns early
-  /// if ROS shuts down. The latched truth lives as long as this object.
-  void run();
+  int size() const { return sequence_.size(); }
+  double rate() const { return options_.sequence.rate_hz; }  ///< [Hz]
+
+  /// With wait_for: until somebody listens. False if ROS shuts down.
+  bool waitForSubscribers();
+
+  SimulatedFrame frame(int index) const { return sequence_.frame(index); }
+
+  /// Publishes an image, and with wait_for waits until it is done with. The latched truth lives as
+  /// long as this object.
+  void publish(const SimulatedFrame& frame);
+
+  /// Tells that there are no more.
+  void finish();
 
  private:
-  bool waitForSubscribers();
   void publishTruth(const SimulatedFrame& frame);
   void publishFrame(const SimulatedFrame& frame);
   void publishClock(std::int64_t stamp_ns);
@@ -44,5 +57,9 @@ class SimulatedCamera {
   ros::Subscriber status_;
   ros::Time processed_;
 };
+
+/// Publishes all images of cameras that are taken at once, at their rate or as fast as the consumer
+/// follows; returns early if ROS shuts down.
+void run(std::vector<std::unique_ptr<SimulatedCamera>>* cameras);
 
 }  // namespace camera_self_calibration

@@ -11,6 +11,7 @@ namespace camera_self_calibration {
 
 /// What simulated_camera shows and how.
 struct SimulationOptions {
+  std::string name;  ///< Namespace of the topics; empty: that of the node.
   SequenceOptions sequence;
   std::string frame_id = "simulated_camera";   ///< Of the images.
   std::string world_frame = "simulated_room";  ///< Of the true poses.
@@ -22,8 +23,8 @@ struct SimulationOptions {
   double wait_limit_s = 2.0;  ///< Per image; longer delays are not waited for [s].
 };
 
-/// Reads the private parameters of simulated_camera. Throws std::runtime_error that lists every
-/// problem.
-SimulationOptions readSimulationOptions(const ros::NodeHandle& private_node);
+/// Reads the private parameters of simulated_camera: one camera, or those of a rig that `cameras`
+/// names, on one body. Throws std::runtime_error that lists every problem.
+std::vector<SimulationOptions> readSimulationOptions(const ros::NodeHandle& private_node);
 
 }  // namespace camera_self_calibration

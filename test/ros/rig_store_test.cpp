@@ -1,0 +1,114 @@
+#include "camera_self_calibration/rig_node/rig_store.h"
+
+#include <gtest/gtest.h>
+
+#include "camera/sample_cameras.h"
+#include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/tools/rig_state.h"
+#include "tools/temporary_folder.h"
+
+namespace camera_self_calibration {
+namespace {
+
+const Camera kFov = camera640(CameraModel::kFov, {300, 302, 318, 242, 0.95});
+
+/// The least that counts as a sound state.
+std::shared_ptr<const LearntState> learnt(std::uint64_t epoch) {
+  LearntState state;
+  state.camera = kFov;
+  state.epoch = epoch;
+  Candidate candidate;
+  candidate.camera = kFov;
+  candidate.information = IntrinsicsMatrix::Identity(5, 5);
+  candidate.segment.keyframes.resize(2);
+  candidate.segment.landmarks.resize(1);
+  candidate.segment.observations.resize(1);
+  state.segments.push_back(candidate);
+  return std::make_shared<const LearntState>(state);
+}
+
+RigReport converged(double baseline = 0.11) {
+  RigReport report;
+  report.state = CalibrationState::kConverged;
+  report.cameras.resize(2);
+  RigEstimate& estimate = report.estimate;
+  estimate.usable = estimate.converged = true;
+  estimate.rig = {{kFov, kFov}, {Rigid3(), Rigid3(expSo3({0.1, 0.0, 0.0}), {baseline, 0.0, 0.0})}};
+  estimate.places.resize(2);
+  estimate.intrinsics_covariance.assign(2, IntrinsicsMatrix::Identity(5, 5));
+  estimate.uncertainty.resize(2);
+  estimate.poses.resize(1);
+  return report;
+}
+
+class RigStoreTest : public testing::Test {
+ protected:
+  RigStoreTest() {
+    options_.image_topics = {"/left/image_raw", "/right/image_raw"};
+    options_.camera_names = {"left", "right"};
+    options_.state_folder = folder_ / "kept";
+  }
+
+  CalibrationStore::Outcome save(const RigReport& report, std::uint64_t epoch = 0) const {
+    return RigStore(options_, "rig", false).save(report, infos_, {learnt(epoch), learnt(epoch)});
+  }
+  RigStore::Loaded load() const { return RigStore(options_, "rig", false).loadRig(); }
+
+  TemporaryFolder folder_;
+  RigNodeOptions options_;
+  std::vector<sensor_msgs::CameraInfo> infos_{2};
+};
+
+TEST_F(RigStoreTest, WhatIsSavedIsThereAtTheNextStart) {
+  EXPECT_FALSE(load().rig);
+  EXPECT_TRUE(load().problem.empty());
+  const CalibrationStore::Outcome outcome = save(converged());
+  ASSERT_TRUE(outcome.success) << outcome.message;
+  const RigStore::Loaded loaded = load();
+  ASSERT_TRUE(loaded.rig) << loaded.problem;
+  EXPECT_EQ(loaded.rig->rig.rig_from_camera[1].translation.x(), 0.11);
+  RigStore store(options_, "rig", false);
+  for (const int c : {0, 1}) {
+    EXPECT_TRUE(store.loadCamera(c, std::nullopt, 640, 480).state);
+    EXPECT_FALSE(store.loadCamera(c, std::nullopt, 320, 240).state);
+  }
+}
+
+TEST_F(RigStoreTest, TheRigOfOtherCamerasIsNeitherUsedNorWrittenOver) {
+  ASSERT_TRUE(save(converged(0.11)).success);
+  options_.camera_names = {"front", "rear"};
+  EXPECT_FALSE(load().rig);
+  EXPECT_NE(load().problem.find("other names"), std::string::npos) << load().problem;
+  const CalibrationStore::Outcome outcome = save(converged(0.5));
+  EXPECT_FALSE(outcome.success);
+  options_.camera_names = {"left", "right"};
+  EXPECT_EQ(load().rig->rig.rig_from_camera[1].translation.x(), 0.11);
+}
+
+TEST_F(RigStoreTest, WhatIsNoRigIsLeftUntouched) {
+  const std::string file = options_.state_folder + "/rig.json";
+  ASSERT_EQ(writeFileAtomically(file, "notes"), "");
+  EXPECT_FALSE(load().rig);
+  EXPECT_FALSE(save(converged()).success);
+  EXPECT_EQ(readFile(file).bytes, "notes");
+}
+
+// A lens that is learnt anew has no state yet, or one that does not belong to the rig.
+TEST_F(RigStoreTest, NothingIsSavedWhileALensIsLearntAnew) {
+  ASSERT_TRUE(save(converged(0.11)).success);
+  EXPECT_FALSE(save(converged(0.5), 1).success);
+  RigStore store(options_, "rig", false);
+  EXPECT_FALSE(store.save(converged(0.5), infos_, {learnt(0), nullptr}).success);
+  EXPECT_EQ(load().rig->rig.rig_from_camera[1].translation.x(), 0.11);
+}
+
+TEST_F(RigStoreTest, ARigThatHasNotConvergedIsNotSaved) {
+  RigReport report = converged();
+  report.state = CalibrationState::kConverging;
+  EXPECT_FALSE(save(report).success);
+  EXPECT_FALSE(load().rig);
+}
+
+}  // namespace
+}  // namespace camera_self_calibration
