@@ -40,6 +40,10 @@ std::string asSentence(const std::string& text) {
   return withFullStop(sentence);
 }
 
+std::string sentencesOf(const std::string& text, const std::string& more) {
+  return asSentence(text) + (more.empty() ? "" : " " + asSentence(more));
+}
+
 std::string exactText(double value) {
   std::string text;
   for (int digits = 6; digits <= 17; ++digits) {

@@ -14,13 +14,6 @@ Eigen::Quaterniond turnOfRays(const Camera& camera, const Camera& other,
   return bestRotation(pixelGrid(camera, features), other).rotation;
 }
 
-// Zero where the first two cameras are in one place.
-Eigen::Vector3d inUnits(const Rig& rig, int camera) {
-  const double unit = rig.rig_from_camera[1].translation.norm();
-  if (!(unit > 0.0)) return Eigen::Vector3d::Zero();
-  return rig.rig_from_camera[camera].translation / unit;
-}
-
 }  // namespace
 
 std::vector<ImageWeights> featuresOf(const Rig& rig, const std::vector<RigSegment>& segments) {
@@ -37,6 +30,25 @@ std::vector<ImageWeights> featuresOf(const Rig& rig, const std::vector<RigSegmen
   return features;
 }
 
+Eigen::Vector3d relativePosition(const Rig& rig, int camera) {
+  const double unit = rig.rig_from_camera[1].translation.norm();
+  if (!(unit > 0.0)) return Eigen::Vector3d::Zero();
+  return rig.rig_from_camera[camera].translation / unit;
+}
+
+Eigen::Matrix<double, 3, Eigen::Dynamic> relativePositionJacobian(const Rig& rig,
+                                                                  const RigLayout& layout,
+                                                                  int camera) {
+  const Eigen::Vector3d& unit = rig.rig_from_camera[1].translation;
+  const double length = unit.norm();
+  Eigen::Matrix<double, 3, Eigen::Dynamic> j =
+      Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, layout.size);
+  j.middleCols<3>(layout.pose_at[camera] + 3) += Eigen::Matrix3d::Identity() / length;
+  j.middleCols<3>(layout.pose_at[1] + 3) -=
+      rig.rig_from_camera[camera].translation * unit.transpose() / (length * length * length);
+  return j;
+}
+
 PlaceVector placeDifference(const Rig& rig, const Rig& other, int camera,
                             const std::vector<ImageWeights>& features) {
   const Eigen::Quaterniond first =
@@ -47,7 +59,7 @@ PlaceVector placeDifference(const Rig& rig, const Rig& other, int camera,
   const Eigen::Quaterniond rotation = first * other.rig_from_camera[camera].rotation * own;
   PlaceVector difference;
   difference << logSo3(rig.rig_from_camera[camera].rotation * rotation.conjugate()),
-      inUnits(rig, camera) - first * inUnits(other, camera);
+      relativePosition(rig, camera) - first * relativePosition(other, camera);
   return difference;
 }
 
@@ -58,12 +70,9 @@ Eigen::Matrix<double, 6, Eigen::Dynamic> placeJacobian(const Rig& rig, const Rig
                                                        const std::vector<ImageWeights>& features) {
   Eigen::Matrix<double, 6, Eigen::Dynamic> j =
       Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, layout.size);
-  const Eigen::Vector3d& unit = rig.rig_from_camera[1].translation;
-  const double length = unit.norm();
-  const Eigen::Vector3d position = inUnits(rig, camera);
+  const Eigen::Vector3d position = relativePosition(rig, camera);
   j.block<3, 3>(0, layout.pose_at[camera]).setIdentity();
-  j.block<3, 3>(3, layout.pose_at[camera] + 3) += Eigen::Matrix3d::Identity() / length;
-  j.block<3, 3>(3, layout.pose_at[1] + 3) -= position * unit.transpose() / (length * length);
+  j.bottomRows<3>() = relativePositionJacobian(rig, layout, camera);
   for (const int c : {0, camera}) {
     const int at = layout.intrinsics_at[c];
     if (at < 0) continue;

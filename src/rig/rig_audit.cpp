@@ -92,13 +92,11 @@ PlaceAudit auditPlace(const RigEstimate& estimate, const Rig& given, int camera,
   }
   const PlaceInRig& place = estimate.places[camera];
   const Camera& lens = estimate.rig.cameras[camera];
-  const PlaceVector difference =
-      placeDifference(estimate.rig, given, camera, estimate.evidence->features);
-  const Eigen::Vector3d turn = difference.head<3>();
-  const Eigen::Vector3d shift = difference.tail<3>();
-  const double distance = estimate.rig.rig_from_camera[camera].translation.norm() /
-                          estimate.rig.rig_from_camera[1].translation.norm();
   PlaceAudit audit;
+  audit.difference = placeDifference(estimate.rig, given, camera, estimate.evidence->features);
+  const Eigen::Vector3d turn = audit.difference.head<3>();
+  const Eigen::Vector3d shift = audit.difference.tail<3>();
+  const double distance = relativePosition(estimate.rig, camera).norm();
   audit.turn_deg = turn.norm() / kDegree;
   audit.turn = distanceOf(turn, place.difference_covariance.topLeftCorner<3, 3>(),
                           lens.parameters()(0), options.tolerance_px);

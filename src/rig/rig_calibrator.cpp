@@ -385,23 +385,22 @@ std::string RigCalibrator::refine() {
 }
 
 void RigCalibrator::addShared(RigEvidence* evidence) const {
-  const RigFrame* example = nullptr;
-  std::ptrdiff_t most = 0;
-  for (std::size_t s = 0; s < segments_.size(); ++s) {
-    const std::vector<SharedView> shared = sharedViews(segments_[s]);
-    evidence->shared.insert(evidence->shared.end(), shared.begin(), shared.end());
-    for (const RigFrame& frame : used_[s]) {
-      const auto count = std::count_if(shared.begin(), shared.end(), [&](const SharedView& view) {
-        return view.stamp_ns == frame.stamp_ns;
-      });
-      if (count <= most) continue;
-      most = count;
-      example = &frame;
+  std::map<std::int64_t, int> counts;  // of shared views, by stamp
+  for (const RigSegment& segment : segments_) {
+    for (const SharedView& view : sharedViews(segment)) {
+      evidence->shared.push_back(view);
+      ++counts[view.stamp_ns];
     }
   }
-  if (example == nullptr) return;
-  evidence->example_ns = example->stamp_ns;
-  for (const RigView& view : example->views) evidence->example.push_back(view.image);
+  if (counts.empty()) return;
+  const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  evidence->example_ns = std::max_element(counts.begin(), counts.end(), fewer)->first;
+  for (const Stretch& stretch : used_) {
+    for (const RigFrame& frame : stretch) {
+      if (frame.stamp_ns != evidence->example_ns) continue;
+      for (const RigView& view : frame.views) evidence->example.push_back(view.image);
+    }
+  }
 }
 
 RigEstimate RigCalibrator::estimate(std::vector<Camera> cameras) {

@@ -22,31 +22,13 @@ double largestSigma(const Eigen::Matrix3d& covariance) {
       std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()(2)));
 }
 
-// Of t_c / |t_1|, from that of the positions as they are: what is common to both, the scale, drops
-// out.
-Eigen::Matrix3d relativeCovariance(const Rig& rig, const RigLayout& layout, int c,
-                                   const Eigen::MatrixXd& covariance) {
-  const Eigen::Vector3d& unit = rig.rig_from_camera[1].translation;
-  const double length = unit.norm();
-  Eigen::Matrix<double, 3, Eigen::Dynamic> j =
-      Eigen::Matrix<double, 3, Eigen::Dynamic>::Zero(3, covariance.cols());
-  j.middleCols<3>(layout.pose_at[c] + 3) += Eigen::Matrix3d::Identity() / length;
-  j.middleCols<3>(layout.pose_at[1] + 3) -=
-      rig.rig_from_camera[c].translation * unit.transpose() / (length * length * length);
-  return j * covariance * j.transpose();
-}
-
 // What another lens model says differently is one sigma.
 void addDoubt(const Rig& rig, const Rig& other, double unit,
               const std::vector<ImageWeights>& features, std::vector<PlaceInRig>* places) {
-  const auto relative = [](const Rig& of, int c) {
-    return Eigen::Vector3d(of.rig_from_camera[c].translation /
-                           of.rig_from_camera[1].translation.norm());
-  };
   for (int c = 1; c < rig.size(); ++c) {
     const Eigen::Vector3d turn =
         logSo3(other.rig_from_camera[c].rotation * rig.rig_from_camera[c].rotation.conjugate());
-    const Eigen::Vector3d shift = unit * (relative(other, c) - relative(rig, c));
+    const Eigen::Vector3d shift = unit * (relativePosition(other, c) - relativePosition(rig, c));
     (*places)[c].rotation_covariance += turn * turn.transpose();
     (*places)[c].position_covariance += shift * shift.transpose();
     const PlaceVector difference = placeDifference(rig, other, c, features);
@@ -100,6 +82,10 @@ void say(RigEstimate* estimate) {
 
 }  // namespace
 
+Eigen::Vector3d sigmasOf(const Eigen::Matrix3d& covariance) {
+  return covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+}
+
 double PlaceInRig::rotationSigma() const { return largestSigma(rotation_covariance); }
 
 double PlaceInRig::directionSigma(const Eigen::Vector3d& position) const {
@@ -128,7 +114,8 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
     PlaceInRig& place = estimate.places[c];
     place.rotation_covariance = covariance.block<3, 3>(layout.pose_at[c], layout.pose_at[c]);
     place.position_known = unit_known && positionKnown(rig, layout, c, covariance);
-    place.position_covariance = unit * unit * relativeCovariance(rig, layout, c, covariance);
+    const auto positions = relativePositionJacobian(rig, layout, c);
+    place.position_covariance = unit * unit * positions * covariance * positions.transpose();
     const auto j = placeJacobian(rig, layout, c, features);
     place.difference_covariance = j * covariance * j.transpose();
   }

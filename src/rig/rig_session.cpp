@@ -262,18 +262,16 @@ std::optional<MountChange> RigSession::changeSinceSaved(const RigEstimate& estim
   both.places[camera].difference_covariance += saved;
   const PlaceAudit audit = auditPlace(both, restored_->rig, camera, options);
   if (audit.verdict != AuditVerdict::kWrong) return std::nullopt;
-  const PlaceVector difference =
-      placeDifference(estimate.rig, restored_->rig, camera, estimate.evidence->features);
   const PlaceMatrix& covariance = both.places[camera].difference_covariance;
   const double unit = estimate.rig.rig_from_camera[1].translation.norm();
   MountChange change;
   change.camera = camera;
   change.onset_ns = first_ns_.value_or(0);
   change.found_ns = estimate.poses.back().stamp_ns;
-  change.rotation = difference.head<3>();
+  change.rotation = audit.difference.head<3>();
   change.rotation_covariance = covariance.topLeftCorner<3, 3>();
   change.shift_known = audit.shift_judged;
-  change.shift = unit * difference.tail<3>();
+  change.shift = unit * audit.difference.tail<3>();
   change.shift_covariance = unit * unit * covariance.bottomRightCorner<3, 3>();
   change.p_value = std::min(audit.turn.p_value, audit.shift.p_value);
   return change;

@@ -4,6 +4,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/base/stamp.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -55,7 +56,7 @@ std::optional<std::vector<TimedView>> SynchronisedViews::take() {
 
 void SynchronisedViews::leaveOut(std::deque<TimedView>* views, std::int64_t gap) {
   // A view stands between two of another camera: the nearer one counts.
-  nearest_s_.push_back(1e-9 * static_cast<double>(std::min(gap, last_gap_)));
+  nearest_s_.push_back(toSeconds(std::min(gap, last_gap_)));
   last_gap_ = gap;
   ++unmatched_;
   views->pop_front();

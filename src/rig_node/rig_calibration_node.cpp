@@ -267,9 +267,8 @@ void RigCalibrationNode::describe(diagnostic_updater::DiagnosticStatusWrapper& s
   }
   const RigReport report = calibrator_->report();
   const bool converged = report.state == CalibrationState::kConverged;
-  status.summary(
-      converged ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
-      asSentence(report.sentence) + (report.hint.empty() ? "" : " " + asSentence(report.hint)));
+  status.summary(converged ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
+                 sentencesOf(report.sentence, report.hint));
   const std::lock_guard<std::mutex> lock(mutex_);
   const std::string input = inputProblem();
   if (!input.empty()) status.mergeSummary(DiagnosticStatus::WARN, input);

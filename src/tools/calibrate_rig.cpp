@@ -176,6 +176,12 @@ bool RigRecording::converged() const {
          });
 }
 
+CalibrationState RigRecording::state() const {
+  return converged()       ? CalibrationState::kConverged
+         : estimate.usable ? CalibrationState::kConverging
+                           : CalibrationState::kInitializing;
+}
+
 RigRecording calibrateRig(const SourceOptions& source, const std::vector<std::string>& topics,
                           const Options& options, const RigExtras& extras) {
   RigRecording recording = eachCamera(source, topics, options, extras);

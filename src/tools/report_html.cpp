@@ -21,8 +21,6 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kChartWidth = 420;
-
 std::string modelText(const Camera& camera) {
   return toString(camera.model()) + ", " + std::to_string(camera.width()) + " x " +
          std::to_string(camera.height());
@@ -42,7 +40,7 @@ double secondsOf(const Recording& recording) {
 std::string verdictSentence(const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
   if (report.state != CalibrationState::kConverged) {
-    return asSentence(report.sentence) + " " + asSentence(report.hint);
+    return sentencesOf(report.sentence, report.hint);
   }
   const int digits = decimalsFor(report.uncertainty.rms);
   return "The " + toString(report.camera.model()) + " lens is known to " +
@@ -186,7 +184,7 @@ void addAudit(const Recording& recording, HtmlPage* page) {
   const AuditReport& audit = *recording.audit;
   page->section("Is the calibration in question still right?");
   page->verdict(toString(audit.verdict), cssColour(verdictColour(audit.verdict)),
-                asSentence(audit.sentence()) + " " + asSentence(audit.hint));
+                sentencesOf(audit.sentence(), audit.hint));
   const Camera& lens = recording.final_report.camera;
   const PixelDifference difference =
       pixelDifference(lens, Camera(recording.audited->model(), lens.width(), lens.height(),

@@ -20,9 +20,6 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
-constexpr int kWidth = 420;   // of a chart: letters are readable where it is shown 340 px wide
-constexpr int kColumns = 16;  // of residual and coverage maps
-constexpr int kRows = 12;
 const Colour kOrange(20, 110, 226);
 
 /// What falls into one cell of the image.
@@ -51,7 +48,7 @@ LineChartSheet onePanel(const std::string& x_label) {
   LineChartSheet sheet;
   sheet.x_label = x_label;
   sheet.columns = 1;
-  sheet.width = kWidth;
+  sheet.width = kChartWidth;
   sheet.panel_height = 250;
   sheet.quantile = 1.0;
   return sheet;
@@ -64,14 +61,11 @@ std::vector<QueueResidual> residualsOf(const Recording& recording) {
 
 std::vector<Cell> cellsOf(const Recording& recording) {
   const Camera& camera = recording.final_report.camera;
-  std::vector<Cell> cells(kColumns * kRows);
+  std::vector<Cell> cells(kMapColumns * kMapRows);
   for (const QueueResidual& seen : residualsOf(recording)) {
-    const auto index = [](double position, int size, int count) {
-      return std::clamp(static_cast<int>((position + 0.5) / size * count), 0, count - 1);
-    };
-    Cell& cell =
-        cells[static_cast<std::size_t>(index(seen.pixel.y(), camera.height(), kRows) * kColumns +
-                                       index(seen.pixel.x(), camera.width(), kColumns))];
+    Cell& cell = cells[static_cast<std::size_t>(
+        partOf(seen.pixel.y(), camera.height(), kMapRows) * kMapColumns +
+        partOf(seen.pixel.x(), camera.width(), kMapColumns))];
     ++cell.count;
     cell.sum += seen.residual;
     cell.squares += seen.residual.squaredNorm();
@@ -89,10 +83,10 @@ ImageMap mapOver(const Camera& camera, const std::string& title, const std::stri
 }
 
 Eigen::MatrixXd gridOf(const std::vector<Cell>& cells, double (*value)(const Cell&)) {
-  Eigen::MatrixXd grid(kRows, kColumns);
-  for (int r = 0; r < kRows; ++r) {
-    for (int c = 0; c < kColumns; ++c) {
-      grid(r, c) = value(cells[static_cast<std::size_t>(r * kColumns + c)]);
+  Eigen::MatrixXd grid(kMapRows, kMapColumns);
+  for (int r = 0; r < kMapRows; ++r) {
+    for (int c = 0; c < kMapColumns; ++c) {
+      grid(r, c) = value(cells[static_cast<std::size_t>(r * kMapColumns + c)]);
     }
   }
   return grid;
@@ -163,6 +157,10 @@ std::vector<Eigen::Vector2d> unobservedPixels(const Recording& recording) {
 
 }  // namespace
 
+int partOf(double position, int size, int parts) {
+  return std::clamp(static_cast<int>((position + 0.5) / size * parts), 0, parts - 1);
+}
+
 Colour verdictColour(AuditVerdict verdict) {
   return stateColour(verdict == AuditVerdict::kGood    ? CalibrationState::kConverged
                      : verdict == AuditVerdict::kWrong ? CalibrationState::kDegenerate
@@ -179,7 +177,7 @@ Sheet drawUncertainty(const Recording& recording) {
     const auto column = std::lround(point.pixel.x() / (report.camera.width() - 1) * 39.0);
     map.values(std::clamp(row, 0L, 29L), std::clamp(column, 0L, 39L)) = point.sigma;
   }
-  return drawImageMap(map, kWidth);
+  return drawImageMap(map, kChartWidth);
 }
 
 Sheet drawResidualMap(const Recording& recording) {
@@ -190,18 +188,18 @@ Sheet drawResidualMap(const Recording& recording) {
     return cell.count > 3 ? std::sqrt(cell.squares / cell.count) : kNone;
   });
   double longest = 0.0;
-  for (int r = 0; r < kRows; ++r) {
-    for (int c = 0; c < kColumns; ++c) {
-      const Cell& cell = cells[static_cast<std::size_t>(r * kColumns + c)];
+  for (int r = 0; r < kMapRows; ++r) {
+    for (int c = 0; c < kMapColumns; ++c) {
+      const Cell& cell = cells[static_cast<std::size_t>(r * kMapColumns + c)];
       if (cell.count < 10) continue;
-      const Eigen::Vector2d centre((c + 0.5) / kColumns * camera.width() - 0.5,
-                                   (r + 0.5) / kRows * camera.height() - 0.5);
+      const Eigen::Vector2d centre((c + 0.5) / kMapColumns * camera.width() - 0.5,
+                                   (r + 0.5) / kMapRows * camera.height() - 0.5);
       map.arrows.push_back({centre, cell.sum / cell.count});
       longest = std::max(longest, map.arrows.back().offset.norm());
     }
   }
-  map.arrow_scale = roundScale(longest, 1.2 * camera.width() / kColumns);
-  return drawImageMap(map, kWidth);
+  map.arrow_scale = roundScale(longest, 1.2 * camera.width() / kMapColumns);
+  return drawImageMap(map, kChartWidth);
 }
 
 Sheet drawCoverage(const Recording& recording) {
@@ -209,7 +207,7 @@ Sheet drawCoverage(const Recording& recording) {
   map.values = gridOf(cellsOf(recording), [](const Cell& cell) {
     return cell.count > 0 ? static_cast<double>(cell.count) : kNone;
   });
-  return drawImageMap(map, kWidth);
+  return drawImageMap(map, kChartWidth);
 }
 
 Sheet drawResidualDistribution(const Recording& recording) {
@@ -223,7 +221,7 @@ Sheet drawResidualDistribution(const Recording& recording) {
   }
   const double count = std::max<double>(1.0, static_cast<double>(whitened.size()));
   return drawResidualHistogram(
-      whitened, formatted("rms %.3f px an axis", std::sqrt(squares / count)), kWidth, 300);
+      whitened, formatted("rms %.3f px an axis", std::sqrt(squares / count)), kChartWidth, 300);
 }
 
 double residualRatio(const Recording& recording) {
@@ -310,7 +308,7 @@ Sheet drawTrajectory(const std::vector<StampedCameraPose>& own,
   paths.erase(std::remove_if(paths.begin(), paths.end(),
                              [](const PlanePath& path) { return path.points.empty(); }),
               paths.end());
-  return drawPaths(paths, "path of the camera from above", unit, kWidth, 330);
+  return drawPaths(paths, "path of the camera from above", unit, kChartWidth, 330);
 }
 
 }  // namespace camera_self_calibration

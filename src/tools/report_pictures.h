@@ -8,6 +8,15 @@
 
 namespace camera_self_calibration {
 
+/// What the charts of the pages have in common: letters are readable where one is shown 340 px
+/// wide.
+constexpr int kChartWidth = 420;
+constexpr int kMapColumns = 16;  // of maps over the image
+constexpr int kMapRows = 12;
+
+/// The part of `parts` equal ones, along a side of `size` pixels, in which a position lies.
+int partOf(double position, int size, int parts);
+
 /// Charts of report.html. Those of the queue are empty panels before hand-over.
 
 /// Expected error of a projection over the image; the recording must have an estimate.

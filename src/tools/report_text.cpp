@@ -26,8 +26,8 @@ void writeParameters(const CalibrationReport& report, std::ostream& text) {
 }
 
 std::string auditText(const AuditReport& audit) {
-  std::string text = "audit: " + toString(audit.verdict) + ": " + asSentence(audit.sentence());
-  if (!audit.hint.empty()) text += " " + asSentence(audit.hint);
+  const std::string text =
+      "audit: " + toString(audit.verdict) + ": " + sentencesOf(audit.sentence(), audit.hint);
   return text + '\n';
 }
 

@@ -12,6 +12,7 @@
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 #include "format_text.h"
+#include "info_matrix.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -32,15 +33,6 @@ std::string motionText(const Rigid3& motion) {
     text += "]\n";
   }
   return text + "  - [0.0, 0.0, 0.0, 1.0]\n";
-}
-
-cv::Mat matrixOf(const sensor_msgs::CameraInfo& info) {
-  return cv::Mat(3, 3, CV_64F, const_cast<double*>(info.K.data())).clone();
-}
-
-cv::Mat coefficientsOf(const sensor_msgs::CameraInfo& info) {
-  return cv::Mat(static_cast<int>(info.D.size()), 1, CV_64F, const_cast<double*>(info.D.data()))
-      .clone();
 }
 
 template <typename Array>
@@ -87,10 +79,10 @@ void rectify(const Rigid3& right_from_left, OutputModel model, StereoPair* pair)
   cv::Mat r, t, r1, r2, p1, p2, q;
   cv::eigen2cv(Eigen::Matrix3d(right_from_left.rotation.toRotationMatrix()), r);
   cv::eigen2cv(Eigen::Vector3d(right_from_left.translation), t);
-  const cv::Mat k1 = matrixOf(pair->left_info);
-  const cv::Mat k2 = matrixOf(pair->right_info);
-  const cv::Mat d1 = coefficientsOf(pair->left_info);
-  const cv::Mat d2 = coefficientsOf(pair->right_info);
+  const cv::Mat k1 = matrixOf(pair->left_info.K, 3);
+  const cv::Mat k2 = matrixOf(pair->right_info.K, 3);
+  const cv::Mat d1 = matrixOf(pair->left_info.D, static_cast<int>(pair->left_info.D.size()));
+  const cv::Mat d2 = matrixOf(pair->right_info.D, static_cast<int>(pair->right_info.D.size()));
   if (model == OutputModel::kPlumbBob) {
     cv::stereoRectify(k1, d1, k2, d2, size, r, t, r1, r2, p1, p2, q, cv::CALIB_ZERO_DISPARITY, 0.0);
   } else {

@@ -8,13 +8,12 @@
 #include <utility>
 
 #include "camera_self_calibration/plotting/image_map.h"
+#include "info_matrix.h"
+#include "report_pictures.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kWidth = 420;   // of a chart, as those of a camera
-constexpr int kColumns = 16;  // of a map
-constexpr int kRows = 12;
 constexpr int kFewestViews = 50;  // of a pair, to be shown
 constexpr int kFewestInCell = 4;
 // Colours end at so many times the largest value of the last map.
@@ -28,23 +27,20 @@ bool isOf(const SharedView& view, const CameraPair& pair) {
 Eigen::MatrixXd cellsOf(const Rig& rig, const std::vector<SharedView>& shared,
                         const CameraPair& pair) {
   const Camera& camera = rig.cameras[pair.to];
-  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(kRows, kColumns);
+  Eigen::MatrixXd squares = Eigen::MatrixXd::Zero(kMapRows, kMapColumns);
   Eigen::MatrixXd counts = squares;
-  const auto index = [](double position, int size, int count) {
-    return std::clamp(static_cast<int>((position + 0.5) / size * count), 0, count - 1);
-  };
   for (const SharedView& view : shared) {
     const auto offset = isOf(view, pair) ? epipolarOffset(rig, view) : std::nullopt;
     if (!offset) continue;
-    const int row = index(view.to_pixel.y(), camera.height(), kRows);
-    const int column = index(view.to_pixel.x(), camera.width(), kColumns);
+    const int row = partOf(view.to_pixel.y(), camera.height(), kMapRows);
+    const int column = partOf(view.to_pixel.x(), camera.width(), kMapColumns);
     squares(row, column) += *offset * *offset;
     counts(row, column) += 1.0;
   }
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   return (counts.array() >= kFewestInCell)
       .select((squares.array() / counts.array().max(1.0)).sqrt(),
-              Eigen::MatrixXd::Constant(kRows, kColumns, kNone));
+              Eigen::MatrixXd::Constant(kMapRows, kMapColumns, kNone));
 }
 
 double largest(const Eigen::MatrixXd& cells) {
@@ -58,10 +54,10 @@ class Rectification {
  public:
   explicit Rectification(const sensor_msgs::CameraInfo& info)
       : fisheye_(info.distortion_model == "equidistant"),
-        k_(matrix(info.K.data(), 3, 3)),
-        d_(matrix(info.D.data(), static_cast<int>(info.D.size()), 1)),
-        r_(matrix(info.R.data(), 3, 3)),
-        p_(matrix(info.P.data(), 3, 4)) {}
+        k_(matrixOf(info.K, 3)),
+        d_(matrixOf(info.D, static_cast<int>(info.D.size()))),
+        r_(matrixOf(info.R, 3)),
+        p_(matrixOf(info.P, 3)) {}
 
   cv::Mat image(const ImageView& view) const {
     const cv::Mat gray(view.height, view.width, CV_8UC1, const_cast<std::uint8_t*>(view.data),
@@ -88,10 +84,6 @@ class Rectification {
   }
 
  private:
-  static cv::Mat matrix(const double* values, int rows, int columns) {
-    return cv::Mat(rows, columns, CV_64F, const_cast<double*>(values)).clone();
-  }
-
   bool fisheye_;
   cv::Mat k_, d_, r_, p_;
 };
@@ -168,7 +160,7 @@ std::vector<Sheet> drawEpipolarMaps(const std::vector<std::pair<std::string, Rig
   std::vector<Sheet> sheets;
   for (ImageMap& map : maps) {
     map.highest = highest;
-    sheets.push_back(drawImageMap(map, kWidth));
+    sheets.push_back(drawImageMap(map, kChartWidth));
   }
   return sheets;
 }

@@ -30,18 +30,10 @@ std::string vectorText(const Eigen::Vector3d& vector, const Eigen::Vector3d& sig
   return text;
 }
 
-Eigen::Vector3d sigmasOf(const Eigen::Matrix3d& covariance) {
-  return covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-}
-
 void addHead(const RunDescription& run, const RigRecording& recording, HtmlPage* page) {
   const RigEstimate& estimate = recording.estimate;
-  const CalibrationState state = recording.converged() ? CalibrationState::kConverged
-                                 : estimate.usable     ? CalibrationState::kConverging
-                                                       : CalibrationState::kInitializing;
-  page->verdict(rigState(recording), cssColour(stateColour(state)),
-                asSentence(estimate.sentence) +
-                    (estimate.hint.empty() ? "" : " " + asSentence(estimate.hint)));
+  page->verdict(rigState(recording), cssColour(stateColour(recording.state())),
+                sentencesOf(estimate.sentence, estimate.hint));
   if (!recording.complete) page->paragraph(kPartial);
   const Recording& first = recording.cameras.front();
   page->figures({{std::to_string(recording.cameras.size()), "cameras"},
@@ -121,9 +113,8 @@ void addAudit(const RigRecording& recording, HtmlPage* page) {
   }
   for (std::size_t p = 0; p < audit.places.size(); ++p) {
     const PlaceAudit& place = audit.places[p];
-    rows.push_back(
-        {formatted("place of camera %zu", p + 1), toString(place.verdict),
-         asSentence(place.sentence) + (place.hint.empty() ? "" : " " + asSentence(place.hint))});
+    rows.push_back({formatted("place of camera %zu", p + 1), toString(place.verdict),
+                    sentencesOf(place.sentence, place.hint)});
   }
   page->table(rows);
 }

@@ -33,11 +33,9 @@ Json placeJson(const RigRecording& recording, int c) {
       {"topic", recording.topics[c]},
       {"rotation_xyzw", {q.x(), q.y(), q.z(), q.w()}},
       {"rotation_vector_deg", vectorJson(logSo3(q) / kDegree)},
-      {"rotation_vector_sigma_deg",
-       vectorJson(place.rotation_covariance.diagonal().cwiseMax(0.0).cwiseSqrt() / kDegree)},
+      {"rotation_vector_sigma_deg", vectorJson(sigmasOf(place.rotation_covariance) / kDegree)},
       {"position", known ? vectorJson(t) : Json()},
-      {"position_sigma",
-       known ? vectorJson(place.position_covariance.diagonal().cwiseMax(0.0).cwiseSqrt()) : Json()},
+      {"position_sigma", known ? vectorJson(sigmasOf(place.position_covariance)) : Json()},
       {"direction_sigma_deg", known && c > 0 ? Json(place.directionSigma(t) / kDegree) : Json()},
       {"time_offset_s", c > 0 ? Json(place.time_offset.seconds) : Json()},
       {"time_offset_sigma_s", c > 0 ? Json(place.time_offset.sigma) : Json()},
@@ -45,21 +43,19 @@ Json placeJson(const RigRecording& recording, int c) {
 }
 
 Json changeJson(const RigRecording& recording, const MountChange& change) {
-  const auto sigmas = [](const Eigen::Matrix3d& covariance) {
-    return vectorJson(covariance.diagonal().cwiseMax(0.0).cwiseSqrt());
-  };
-  return {{"type", toString(EventType::kMountChanged)},
-          {"camera", change.camera},
-          {"topic", recording.topics[change.camera]},
-          {"sentence", change.sentence},
-          {"onset_stamp", toSeconds(change.onset_ns)},
-          {"rotation_deg", change.angle() / kDegree},
-          {"rotation_sigma_deg", change.angleSigma() / kDegree},
-          {"rotation_vector_deg", vectorJson(change.rotation / kDegree)},
-          {"rotation_vector_sigma_deg", sigmas(change.rotation_covariance / (kDegree * kDegree))},
-          {"shift", change.shift_known ? vectorJson(change.shift) : Json()},
-          {"shift_sigma", change.shift_known ? sigmas(change.shift_covariance) : Json()},
-          {"p_value", change.p_value}};
+  return {
+      {"type", toString(EventType::kMountChanged)},
+      {"camera", change.camera},
+      {"topic", recording.topics[change.camera]},
+      {"sentence", change.sentence},
+      {"onset_stamp", toSeconds(change.onset_ns)},
+      {"rotation_deg", change.angle() / kDegree},
+      {"rotation_sigma_deg", change.angleSigma() / kDegree},
+      {"rotation_vector_deg", vectorJson(change.rotation / kDegree)},
+      {"rotation_vector_sigma_deg", vectorJson(sigmasOf(change.rotation_covariance) / kDegree)},
+      {"shift", change.shift_known ? vectorJson(change.shift) : Json()},
+      {"shift_sigma", change.shift_known ? vectorJson(sigmasOf(change.shift_covariance)) : Json()},
+      {"p_value", change.p_value}};
 }
 
 Json distanceJson(const AuditDistance& distance) {
@@ -125,8 +121,7 @@ std::string auditText(const RigAudit& audit) {
     text += formatted(" The lens of camera %zu: %s.", c, toString(audit.lenses[c].verdict).c_str());
   }
   for (const PlaceAudit& place : audit.places) {
-    text += " " + asSentence(place.sentence);
-    if (!place.hint.empty()) text += " " + asSentence(place.hint);
+    text += " " + sentencesOf(place.sentence, place.hint);
   }
   return text + '\n';
 }
@@ -176,7 +171,7 @@ Json rigJson(const RigRecording& recording) {
 }
 
 std::string rigState(const RigRecording& recording) {
-  return recording.converged() ? "CONVERGED" : recording.estimate.usable ? "CONVERGING" : "UNKNOWN";
+  return recording.estimate.usable ? toString(recording.state()) : "UNKNOWN";
 }
 
 std::string cameraFolder(int camera) { return formatted("cam%d", camera); }

@@ -41,5 +41,10 @@ TEST(Formatted, BecomesASentence) {
   EXPECT_EQ(asSentence("camera_info stays zero"), "camera_info stays zero.");
 }
 
+TEST(SentencesOf, TheSecondMayBeMissing) {
+  EXPECT_EQ(sentencesOf("it is good", "go on"), "It is good. Go on.");
+  EXPECT_EQ(sentencesOf("it is good", ""), "It is good.");
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

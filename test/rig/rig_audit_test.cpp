@@ -14,17 +14,6 @@
 namespace camera_self_calibration {
 namespace {
 
-Camera lens(double focal, double k1) {
-  Intrinsics p(8);
-  p << focal, 1.002 * focal, 322.0, 236.0, k1, 0.01, 0.0, 0.0;
-  return Camera(CameraModel::kEquidistant, 640, 480, p);
-}
-
-Rig truth() {
-  return {{lens(400.0, 0.02), lens(420.0, -0.01)},
-          {Rigid3(), Rigid3(expSo3({0.02, -0.03, 0.05}), {0.12, 0.01, -0.005})}};
-}
-
 std::vector<ImageWeights> everywhere(const Rig& rig) {
   std::vector<ImageWeights> features;
   for (const Camera& camera : rig.cameras) {
@@ -56,8 +45,8 @@ Rig stepped(const Rig& rig, const RigLayout& layout, const Eigen::VectorXd& step
 }
 
 TEST(PlaceDifference, ItsJacobianIsThatOfItsVariables) {
-  Rig rig = truth();
-  rig.cameras.push_back(lens(380.0, 0.0));
+  Rig rig = stereoRig();
+  rig.cameras.push_back(rigLens(380.0, 0.0));
   rig.rig_from_camera.emplace_back(expSo3({0.1, 1.6, 0.0}), Eigen::Vector3d(0.1, 0.05, -0.2));
   const RigLayout layout(rig, {});
   const auto features = everywhere(rig);
@@ -80,7 +69,7 @@ TEST(PlaceDifference, ItsJacobianIsThatOfItsVariables) {
 // A principal point that lies elsewhere, and a camera that is turned as much the other way, see the
 // same.
 TEST(PlaceDifference, LensesAndPosesThatMakeUpForEachOtherDoNotDiffer) {
-  const Rig rig = truth();
+  const Rig rig = stereoRig();
   Rig other = rig;
   Intrinsics p = rig.cameras[1].parameters();
   p(2) += 3.0;
@@ -93,7 +82,7 @@ TEST(PlaceDifference, LensesAndPosesThatMakeUpForEachOtherDoNotDiffer) {
 }
 
 TEST(Epipolar, TheOffsetIsThatFromTheLine) {
-  const Rig rig = truth();
+  const Rig rig = stereoRig();
   Random random(3);
   for (int i = 0; i < 50; ++i) {
     const Eigen::Vector3d point(random.uniform(-1.0, 1.0), random.uniform(-0.8, 0.8),
@@ -120,7 +109,7 @@ class RigAuditTest : public ::testing::Test {
   static const RigEstimate& estimate() {
     static const RigEstimate found = [] {
       SimulatedRigOptions options;
-      options.rig = truth();
+      options.rig = stereoRig();
       const SimulatedRig rig = simulateRig(options);
       RigCalibrator calibrator({}, 2, rig.across);
       for (const RigFrame& frame : rig.frames) calibrator.add(frame);
@@ -150,7 +139,7 @@ TEST_F(RigAuditTest, TheEstimateRestsOnSharedViewsThatItExplains) {
 }
 
 TEST_F(RigAuditTest, TheTrueCalibrationIsGood) {
-  const PlaceAudit audit = judged(truth());
+  const PlaceAudit audit = judged(stereoRig());
   EXPECT_EQ(audit.verdict, AuditVerdict::kGood) << audit.sentence;
   EXPECT_LT(audit.turn.px, 0.3);
   EXPECT_TRUE(audit.shift_judged);
@@ -159,14 +148,14 @@ TEST_F(RigAuditTest, TheTrueCalibrationIsGood) {
 
 // In the words of another model, and in another unit of length.
 TEST_F(RigAuditTest, TheSameRigInOtherWordsIsGood) {
-  Rig other = truth();
+  Rig other = stereoRig();
   for (Camera& camera : other.cameras) camera = fitCamera(camera, CameraModel::kRadtan)->camera;
   other.rig_from_camera[1].translation *= 7.0;
   EXPECT_EQ(judged(other).verdict, AuditVerdict::kGood) << judged(other).sentence;
 }
 
 TEST_F(RigAuditTest, ACameraThatIsTurnedIsWrong) {
-  Rig turned = truth();
+  Rig turned = stereoRig();
   const Eigen::Vector3d turn = kDegree * Eigen::Vector3d(0.3, 0.3, 0.2);
   turned.rig_from_camera[1].rotation = expSo3(turn) * turned.rig_from_camera[1].rotation;
   const PlaceAudit audit = judged(turned);
@@ -177,7 +166,7 @@ TEST_F(RigAuditTest, ACameraThatIsTurnedIsWrong) {
 }
 
 TEST_F(RigAuditTest, ACameraThatIsMovedIsWrong) {
-  Rig moved = truth();
+  Rig moved = stereoRig();
   moved.rig_from_camera[1].translation.y() += 0.01;
   const PlaceAudit audit = judged(moved);
   EXPECT_EQ(audit.verdict, AuditVerdict::kWrong) << audit.sentence;
@@ -188,11 +177,11 @@ TEST_F(RigAuditTest, ACameraThatIsMovedIsWrong) {
 TEST_F(RigAuditTest, WhatTheVideoDoesNotTellIsLeftOpen) {
   RigEstimate vague = estimate();
   vague.places[1].difference_covariance.setIdentity();
-  const PlaceAudit audit = auditPlace(vague, truth(), 1, {});
+  const PlaceAudit audit = auditPlace(vague, stereoRig(), 1, {});
   EXPECT_EQ(audit.verdict, AuditVerdict::kCannotTell) << audit.sentence;
   EXPECT_FALSE(audit.hint.empty());
-  EXPECT_EQ(auditPlace({}, truth(), 1, {}).verdict, AuditVerdict::kCannotTell);
-  Rig half = truth();
+  EXPECT_EQ(auditPlace({}, stereoRig(), 1, {}).verdict, AuditVerdict::kCannotTell);
+  Rig half = stereoRig();
   half.cameras[1] = Camera(CameraModel::kEquidistant, 320, 240, half.cameras[1].parameters());
   EXPECT_EQ(judged(half).verdict, AuditVerdict::kCannotTell);
 }
@@ -201,9 +190,9 @@ TEST_F(RigAuditTest, WhatTheVideoDoesNotTellIsLeftOpen) {
 TEST_F(RigAuditTest, APositionThatIsNotToldIsNotGood) {
   RigEstimate vague = estimate();
   vague.places[1].position_known = false;
-  const PlaceAudit audit = auditPlace(vague, truth(), 1, {});
+  const PlaceAudit audit = auditPlace(vague, stereoRig(), 1, {});
   EXPECT_EQ(audit.verdict, AuditVerdict::kCannotTell) << audit.sentence;
-  Rig turned = truth();
+  Rig turned = stereoRig();
   turned.rig_from_camera[1].rotation =
       expSo3({0.01, 0.0, 0.0}) * turned.rig_from_camera[1].rotation;
   EXPECT_EQ(auditPlace(vague, turned, 1, {}).verdict, AuditVerdict::kWrong);
@@ -214,16 +203,17 @@ TEST_F(RigAuditTest, ClocksThatDisagreeDecideNothing) {
   late.places[1].time_offset.seconds = 0.01;
   late.places[1].time_offset.sigma = 0.0005;
   ASSERT_TRUE(late.places[1].time_offset.harms());
-  EXPECT_EQ(auditPlace(late, truth(), 1, {}).verdict, AuditVerdict::kCannotTell);
+  EXPECT_EQ(auditPlace(late, stereoRig(), 1, {}).verdict, AuditVerdict::kCannotTell);
 }
 
 TEST_F(RigAuditTest, OneWrongPartMakesTheRigWrong) {
   AuditReport good, wrong, open;
   good.verdict = AuditVerdict::kGood;
   wrong.verdict = AuditVerdict::kWrong;
-  EXPECT_EQ(auditRig({good, good}, estimate(), truth(), {}).verdict(), AuditVerdict::kGood);
-  EXPECT_EQ(auditRig({good, open}, estimate(), truth(), {}).verdict(), AuditVerdict::kCannotTell);
-  EXPECT_EQ(auditRig({open, wrong}, estimate(), truth(), {}).verdict(), AuditVerdict::kWrong);
+  EXPECT_EQ(auditRig({good, good}, estimate(), stereoRig(), {}).verdict(), AuditVerdict::kGood);
+  EXPECT_EQ(auditRig({good, open}, estimate(), stereoRig(), {}).verdict(),
+            AuditVerdict::kCannotTell);
+  EXPECT_EQ(auditRig({open, wrong}, estimate(), stereoRig(), {}).verdict(), AuditVerdict::kWrong);
 }
 
 }  // namespace

@@ -9,12 +9,6 @@
 namespace camera_self_calibration {
 namespace {
 
-Camera lens(double focal, double k1) {
-  Intrinsics p(8);
-  p << focal, 1.002 * focal, 322.0, 236.0, k1, 0.01, 0.0, 0.0;
-  return Camera(CameraModel::kEquidistant, 640, 480, p);
-}
-
 // The intrinsics that each camera finds for itself are a little off.
 std::vector<Camera> nearly(std::vector<Camera> cameras) {
   for (Camera& camera : cameras) {
@@ -28,9 +22,7 @@ std::vector<Camera> nearly(std::vector<Camera> cameras) {
 
 SimulatedRigOptions stereo() {
   SimulatedRigOptions options;
-  options.rig.cameras = {lens(400.0, 0.02), lens(420.0, -0.01)};
-  options.rig.rig_from_camera = {Rigid3(),
-                                 Rigid3(expSo3({0.02, -0.03, 0.05}), {0.12, 0.01, -0.005})};
+  options.rig = stereoRig();
   return options;
 }
 
@@ -88,7 +80,7 @@ TEST(RigCalibrator, BackToBackByMotionAlone) {
 
 TEST(RigCalibrator, ThreeCamerasAndABaseline) {
   SimulatedRigOptions options = stereo();
-  options.rig.cameras.push_back(lens(380.0, 0.0));
+  options.rig.cameras.push_back(rigLens(380.0, 0.0));
   options.rig.rig_from_camera.emplace_back(expSo3({0.0, 1.6, 0.0}),
                                            Eigen::Vector3d(0.1, 0.0, -0.2));
   const SimulatedRig rig = simulateRig(options);
@@ -198,7 +190,7 @@ TEST(RigCalibrator, MapsOfDifferentScaleAgree) {
 
 TEST(RigCalibrator, NothingWithoutFrames) {
   RigCalibrator calibrator({}, 2, nullptr);
-  const RigEstimate estimate = calibrator.estimate({lens(400.0, 0.0), lens(400.0, 0.0)});
+  const RigEstimate estimate = calibrator.estimate({rigLens(400.0, 0.0), rigLens(400.0, 0.0)});
   EXPECT_FALSE(estimate.usable);
   EXPECT_FALSE(estimate.sentence.empty());
 }

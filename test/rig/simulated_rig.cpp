@@ -54,6 +54,17 @@ FeatureTracksOptions tracksOf(const SimulatedRigOptions& options, int camera) {
 
 }  // namespace
 
+Camera rigLens(double focal, double k1) {
+  Intrinsics p(8);
+  p << focal, 1.002 * focal, 322.0, 236.0, k1, 0.01, 0.0, 0.0;
+  return Camera(CameraModel::kEquidistant, 640, 480, p);
+}
+
+Rig stereoRig() {
+  return {{rigLens(400.0, 0.02), rigLens(420.0, -0.01)},
+          {Rigid3(), Rigid3(expSo3({0.02, -0.03, 0.05}), {0.12, 0.01, -0.005})}};
+}
+
 // The rig's frame is that of its first camera, moved or not.
 Rig afterBump(const SimulatedRigOptions& options) {
   Rig rig = options.rig;

@@ -29,6 +29,12 @@ struct SimulatedRigOptions {
   double zoom = 1.0;
 };
 
+/// An equidistant lens of 640 x 480 pixels.
+Camera rigLens(double focal, double k1);
+
+/// Two cameras side by side, 0.12 m apart.
+Rig stereoRig();
+
 /// A rig that moves through a furnished room: tracks of each camera, poses in a map of its own, and
 /// what cameras see of each other's features.
 struct SimulatedRig {

@@ -15,6 +15,7 @@
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/model_conversion.h"
+#include "pipeline/small_state.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -22,22 +23,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const Camera kFov = camera640(CameraModel::kFov, {300, 302, 318, 242, 0.95});
-
-/// The least that counts as a sound state.
-LearntState smallState(const Camera& camera, std::uint64_t epoch) {
-  LearntState state;
-  state.camera = camera;
-  state.epoch = epoch;
-  Candidate candidate;
-  candidate.camera = camera;
-  candidate.information =
-      IntrinsicsMatrix::Identity(camera.estimatedCount(), camera.estimatedCount());
-  candidate.segment.keyframes.resize(2);
-  candidate.segment.landmarks.resize(1);
-  candidate.segment.observations.resize(1);
-  state.segments.push_back(candidate);
-  return state;
-}
 
 class CalibrationStoreTest : public testing::Test {
  protected:

@@ -6,6 +6,7 @@
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/tools/rig_state.h"
+#include "pipeline/small_state.h"
 #include "tools/temporary_folder.h"
 
 namespace camera_self_calibration {
@@ -13,19 +14,8 @@ namespace {
 
 const Camera kFov = camera640(CameraModel::kFov, {300, 302, 318, 242, 0.95});
 
-/// The least that counts as a sound state.
 std::shared_ptr<const LearntState> learnt(std::uint64_t epoch) {
-  LearntState state;
-  state.camera = kFov;
-  state.epoch = epoch;
-  Candidate candidate;
-  candidate.camera = kFov;
-  candidate.information = IntrinsicsMatrix::Identity(5, 5);
-  candidate.segment.keyframes.resize(2);
-  candidate.segment.landmarks.resize(1);
-  candidate.segment.observations.resize(1);
-  state.segments.push_back(candidate);
-  return std::make_shared<const LearntState>(state);
+  return std::make_shared<const LearntState>(smallState(kFov, epoch));
 }
 
 RigReport converged(double baseline = 0.11) {

@@ -19,6 +19,15 @@ using PlaceMatrix = Eigen::Matrix<double, 6, 6>;
 /// How often each camera's own features lie in each part of its image.
 std::vector<ImageWeights> featuresOf(const Rig& rig, const std::vector<RigSegment>& segments);
 
+/// The position of a camera in distances between the first two; zero where these are in one place.
+Eigen::Vector3d relativePosition(const Rig& rig, int camera);
+
+/// Its derivative by the variables of `layout` (3 x layout.size): what is common to all positions,
+/// the scale, drops out.
+Eigen::Matrix<double, 3, Eigen::Dynamic> relativePositionJacobian(const Rig& rig,
+                                                                  const RigLayout& layout,
+                                                                  int camera);
+
 /// Where a camera sits in `rig`, against where it sits in `other`. Lenses that put the principal
 /// point elsewhere turn all rays, and the poses that go with them: what the difference of the
 /// lenses does where `features` are (featuresOf(rig)) like a rotation of the camera is left out, as

@@ -21,9 +21,10 @@ struct AuditDistance {
 /// Whether a camera still sits where a calibration of its rig says.
 struct PlaceAudit {
   AuditVerdict verdict = AuditVerdict::kCannotTell;
-  double turn_deg = 0.0;   ///< How far it is turned against that.
-  AuditDistance turn;      ///< What this moves all that it sees by.
-  double shift_deg = 0.0;  ///< How far the direction of its position differs.
+  PlaceVector difference = PlaceVector::Zero();  ///< From where that puts it.
+  double turn_deg = 0.0;                         ///< How far it is turned against that.
+  AuditDistance turn;                            ///< What this moves all that it sees by.
+  double shift_deg = 0.0;                        ///< How far the direction of its position differs.
   /// What its position moves features by that have a disparity of a tenth of the image's width.
   AuditDistance shift;
   bool shift_judged = false;  ///< False: neither motion nor shared landmarks tell the position.

@@ -17,6 +17,9 @@
 
 namespace camera_self_calibration {
 
+/// 1 sigma along each axis.
+Eigen::Vector3d sigmasOf(const Eigen::Matrix3d& covariance);
+
 /// How well a camera's place in the rig is known.
 struct PlaceInRig {
   /// Of the rotation vector of rig_from_camera, in the rig's frame [rad^2].

@@ -26,6 +26,8 @@ struct RigRecording {
 
   /// Whether each camera and the rig as a whole have converged.
   bool converged() const;
+  /// INITIALIZING without an estimate, CONVERGING until converged().
+  CalibrationState state() const;
 };
 
 /// What is known of a rig, and what to do beside its calibration.
