@@ -210,19 +210,11 @@ void RigCalibrator::observe(const RigFrame& frame) {
 
 // Images that are not taken when their stamps say bend all else: what is found then is not
 // believed.
-void RigCalibrator::judgeClocks(RigEstimate* estimate) const {
+void RigCalibrator::compareClocks(RigEstimate* estimate) const {
   for (int c = 1; c < rig_.size(); ++c) {
-    const TimeOffset offset = timeOffset({rotations_[c].begin(), rotations_[c].end()});
-    estimate->places[c].time_offset = offset;
-    if (!offset.harms()) continue;
-    estimate->converged = false;
-    estimate->sentence += formatted(
-        " The images of camera %d are taken %.1f ms (sigma %.1f) %s those of camera 0 with the "
-        "same stamps.",
-        c, 1e3 * std::abs(offset.seconds), 1e3 * offset.sigma,
-        offset.seconds > 0.0 ? "after" : "before");
-    estimate->hint = "trigger the cameras together, or correct the stamps";
+    estimate->places[c].time_offset = timeOffset({rotations_[c].begin(), rotations_[c].end()});
   }
+  judgeRig(estimate);
 }
 
 int RigCalibrator::frames() const {
@@ -426,7 +418,7 @@ RigEstimate RigCalibrator::estimate(std::vector<Camera> cameras) {
       describeRig(rig_, RigLayout(rig_, options_.solve), *covariance, underOtherLenses(),
                   options_.baseline_m, evidence->features, &segments_);
   estimate.evidence = std::move(evidence);
-  judgeClocks(&estimate);
+  compareClocks(&estimate);
   return estimate;
 }
 

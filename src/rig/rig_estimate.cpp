@@ -64,22 +64,6 @@ bool wellKnown(const RigEstimate& estimate, int c) {
          place.directionSigma(estimate.rig.rig_from_camera[c].translation) <= limits.direction;
 }
 
-void say(RigEstimate* estimate) {
-  estimate->converged = true;
-  estimate->sentence.clear();
-  for (int c = 1; c < estimate->rig.size(); ++c) {
-    estimate->converged = estimate->converged && wellKnown(*estimate, c);
-    estimate->sentence += (c > 1 ? " " : "") + placeText(*estimate, c);
-  }
-  if (!estimate->metric) {
-    estimate->sentence += " Lengths are relative: give --baseline METERS to make them metric.";
-  }
-  if (estimate->converged) return;
-  estimate->hint =
-      "turn the rig about all axes, and quickly, so that the cameras move differently; views that "
-      "overlap tell the positions best";
-}
-
 }  // namespace
 
 Eigen::Vector3d sigmasOf(const Eigen::Matrix3d& covariance) {
@@ -142,7 +126,7 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
     }
   }
   estimate.inverse_depth = typicalInverseDepth(std::move(inverse_depths));
-  say(&estimate);
+  judgeRig(&estimate);
   return estimate;
 }
 
@@ -150,15 +134,45 @@ std::string lengthUnit(const RigEstimate& estimate) {
   return estimate.metric ? "m" : "distances between the first two cameras";
 }
 
-void setBaseline(double baseline_m, RigEstimate* estimate) {
-  if (!estimate->places[1].position_known) return;
-  const double factor = baseline_m / estimate->rig.rig_from_camera[1].translation.norm();
+void judgeRig(RigEstimate* estimate) {
+  estimate->converged = true;
+  estimate->sentence.clear();
+  estimate->hint.clear();
+  for (int c = 1; c < estimate->rig.size(); ++c) {
+    estimate->converged = estimate->converged && wellKnown(*estimate, c);
+    estimate->sentence += (c > 1 ? " " : "") + placeText(*estimate, c);
+  }
+  if (!estimate->metric) {
+    estimate->sentence += " Lengths are relative: give --baseline METERS to make them metric.";
+  }
+  if (!estimate->converged) {
+    estimate->hint =
+        "turn the rig about all axes, and quickly, so that the cameras move differently; views "
+        "that overlap tell the positions best";
+  }
+  for (int c = 1; c < estimate->rig.size(); ++c) {
+    const TimeOffset& offset = estimate->places[c].time_offset;
+    if (!offset.harms()) continue;
+    estimate->converged = false;
+    estimate->sentence += formatted(
+        " The images of camera %d are taken %.1f ms (sigma %.1f) %s those of camera 0 with the "
+        "same stamps.",
+        c, 1e3 * std::abs(offset.seconds), 1e3 * offset.sigma,
+        offset.seconds > 0.0 ? "after" : "before");
+    estimate->hint = "trigger the cameras together, or correct the stamps";
+  }
+}
+
+void setBaseline(std::optional<double> baseline_m, RigEstimate* estimate) {
+  if (!estimate->usable || !estimate->places[1].position_known) return;
+  const double factor =
+      baseline_m.value_or(1.0) / estimate->rig.rig_from_camera[1].translation.norm();
   for (Rigid3& pose : estimate->rig.rig_from_camera) pose.translation *= factor;
   for (RigPose& pose : estimate->poses) pose.world_from_rig.translation *= factor;
   for (PlaceInRig& place : estimate->places) place.position_covariance *= factor * factor;
   estimate->inverse_depth /= factor;
-  estimate->metric = true;
-  say(estimate);
+  estimate->metric = baseline_m.has_value();
+  judgeRig(estimate);
 }
 
 std::string placeText(const RigEstimate& estimate, int camera) {

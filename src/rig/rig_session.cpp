@@ -18,6 +18,10 @@ namespace {
 constexpr int kMinNewKeyframes = 20;
 constexpr int kNewShare = 4;
 
+constexpr double kChance = 0.0027;  // beyond 3 sigma
+
+bool wasShifted(const MountChange& change) { return change.shiftPValue() < kChance; }
+
 TimedView viewOf(const FrameResult& result) {
   TimedView timed;
   timed.stamp_ns = result.stamp_ns;
@@ -54,7 +58,8 @@ RigSession::RigSession(const RigOptions& options, int cameras, const FindAcross&
       seen_(static_cast<std::size_t>(cameras), false),
       views_(cameras),
       calibrator_(options, cameras, across),
-      watch_(options) {}
+      watch_(options),
+      baseline_m_(options.baseline_m) {}
 
 bool RigSession::lensesKnown() const {
   return std::all_of(lenses_.begin(), lenses_.end(),
@@ -65,6 +70,9 @@ void RigSession::restore(const RigEstimate& before) {
   const std::lock_guard<std::mutex> lock(mutex_);
   restored_ = before;
   compared_ = false;
+  if (!options_.baseline_m && before.metric) {
+    baseline_m_ = before.rig.rig_from_camera[1].translation.norm();
+  }
   report_.estimate = before;
   ++report_.revision;
 }
@@ -208,7 +216,9 @@ bool RigSession::conclude(const MountVerdict& verdict, const KnownRig& known) {
   return true;
 }
 
+// A baseline that was measured holds while both its cameras stay; one that is given is not doubted.
 void RigSession::remember(const MountChange& change) {
+  if (change.camera <= 1 && wasShifted(change)) baseline_m_ = options_.baseline_m;
   report_.mount_changes.push_back(change);
   if (report_.mount_changes.size() <= RigReport::kMaxMountChanges) return;
   report_.mount_changes.erase(report_.mount_changes.begin());
@@ -229,8 +239,7 @@ std::string RigSession::doubtText(const MountVerdict& verdict) const {
 
 // A rotation or shift that may be chance goes unmentioned where the other one is none.
 std::string RigSession::amountOf(const MountChange& change) const {
-  constexpr double kChance = 0.0027;  // beyond 3 sigma
-  const bool shifted = change.shiftPValue() < kChance;
+  const bool shifted = wasShifted(change);
   std::string text;
   if (change.rotationPValue() < kChance || !shifted) {
     text += formatted("turned by %.2f +- %.2f degrees", change.angle() / kDegree,
@@ -300,7 +309,9 @@ void RigSession::compareWithSaved(const RigEstimate& estimate) {
 }
 
 void RigSession::take(RigEstimate estimate) {
+  if (baseline_m_ && !estimate.metric) setBaseline(baseline_m_, &estimate);
   if (restored_ && estimate.usable && doubt_.empty()) compareWithSaved(estimate);
+  if (!baseline_m_ && estimate.metric) setBaseline(std::nullopt, &estimate);
   if (!doubt_.empty() && estimate.converged) {
     estimate.converged = false;
     estimate.sentence = withFullStop(estimate.sentence) + " " + asSentence(doubt_);

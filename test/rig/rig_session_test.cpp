@@ -222,6 +222,46 @@ TEST(RigSession, ASavedRigThatWasVagueIsNoCameraThatWasMoved) {
   EXPECT_TRUE(session->solve().mount_changes.empty());
 }
 
+// Sits where it did, and the saved rig says how long a metre is.
+TEST(RigSession, WhatWasMetricStaysMetricWithoutABaseline) {
+  RigEstimate before = saved(firstRun());
+  ASSERT_FALSE(before.metric);
+  setBaseline(0.12, &before);
+  Session session;
+  session->restore(before);
+  session.lensesAreKnown();
+  session.see();
+  const RigEstimate estimate = session->solve().estimate;
+  EXPECT_TRUE(estimate.evidence) << estimate.sentence;  // solved, not restored
+  EXPECT_TRUE(estimate.metric) << estimate.sentence;
+  EXPECT_NEAR(estimate.rig.rig_from_camera[1].translation.norm(), 0.12, 1e-9);
+}
+
+TEST(RigSession, AnotherUnitLeavesTheVerdictOnTheClocks) {
+  RigEstimate estimate = firstRun().estimate;
+  ASSERT_TRUE(estimate.converged) << estimate.sentence;
+  estimate.places[1].time_offset.seconds = 0.007;
+  estimate.places[1].time_offset.sigma = 1e-4;
+  setBaseline(0.12, &estimate);
+  EXPECT_FALSE(estimate.converged);
+  EXPECT_NE(estimate.sentence.find("7.0 ms"), std::string::npos) << estimate.sentence;
+  EXPECT_NE(estimate.hint.find("stamps"), std::string::npos) << estimate.hint;
+}
+
+TEST(RigSession, ABaselineWhoseCameraWasShiftedIsForgotten) {
+  RigEstimate before = saved(firstRun());
+  setBaseline(0.12, &before);
+  before.rig.rig_from_camera[1].translation += Eigen::Vector3d(0.0, 0.02, 0.0);  // across it
+  Session session;
+  session->restore(before);
+  session.lensesAreKnown();
+  session.see();
+  const RigReport report = session->solve();
+  ASSERT_EQ(report.mount_changes.size(), 1u) << report.sentence;
+  EXPECT_FALSE(report.estimate.metric) << report.estimate.sentence;
+  EXPECT_NEAR(report.estimate.rig.rig_from_camera[1].translation.norm(), 1.0, 1e-9);
+}
+
 TEST(RigSession, ALensThatChangedEndsWhatWasRestored) {
   Session session;
   session->restore(saved(firstRun()));

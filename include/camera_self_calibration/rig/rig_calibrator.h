@@ -69,7 +69,7 @@ class RigCalibrator {
   void forgetAround(std::int64_t stamp_ns);
   void dropEmpty();
   std::string start();
-  void judgeClocks(RigEstimate* estimate) const;
+  void compareClocks(RigEstimate* estimate) const;
   void makeSegments();
   void alignScales();
   void seekAcross();

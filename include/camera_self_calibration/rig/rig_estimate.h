@@ -106,9 +106,14 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
 /// In words: metres, or distances between the first two cameras.
 std::string lengthUnit(const RigEstimate& estimate);
 
-/// Makes the lengths of a usable estimate metric, or other ones if they were: positions, their
-/// covariance and the sentence.
-void setBaseline(double baseline_m, RigEstimate* estimate);
+/// The verdict on a usable estimate: `converged`, `sentence` and `hint`, from the places of the
+/// cameras and their sigmas, their clocks and the unit of lengths.
+void judgeRig(RigEstimate* estimate);
+
+/// Gives the lengths of a usable estimate another unit: positions, their covariance and the
+/// verdict. Metres by the distance between the first two cameras [m], or else, without it, that
+/// distance. Nothing changes where the second camera's position is not known.
+void setBaseline(std::optional<double> baseline_m, RigEstimate* estimate);
 
 /// The place of one camera in words: how it is turned, where it sits, and how well both are known.
 std::string placeText(const RigEstimate& estimate, int camera);

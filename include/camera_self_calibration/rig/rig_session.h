@@ -50,8 +50,9 @@ class RigSession {
 
   /// What was known of the rig when it ran last, to begin with: it holds until a joint solution
   /// takes its place. Where one shows a camera elsewhere, by more than the pixels that CONVERGED
-  /// allows and the sigmas of both, the camera was moved meanwhile. For as many cameras and images
-  /// of the same sizes, before the first joint solution.
+  /// allows and the sigmas of both, the camera was moved meanwhile. What was metric stays so where
+  /// no baseline is given, until one of the first two cameras is found to sit elsewhere. For as
+  /// many cameras and images of the same sizes, before the first joint solution.
   void restore(const RigEstimate& before);
 
   /// An image that a camera processed. Counts from when all cameras know their lenses.
@@ -115,6 +116,7 @@ class RigSession {
   std::optional<KnownRig> known_;
   std::optional<RigEstimate> restored_;  // until a joint solution has taken its place
   bool compared_ = false;                // with one that did not
+  std::optional<double> baseline_m_;     // given, or as it was restored
   std::string doubt_;     // whether a camera was moved, in words; empty if there is none
   bool certain_ = false;  // of a doubt: something changed, and it is open what
   std::optional<std::int64_t> first_ns_;  // stamp of the first image
