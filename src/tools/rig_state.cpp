@@ -66,6 +66,16 @@ void readCovariance(const Json& list, Matrix* matrix) {
   }
 }
 
+// Of unit length, and unchanged where it is: what is written again reads the same.
+Eigen::Quaterniond readRotation(const Json& list) {
+  Eigen::Vector4d numbers;
+  read(list, &numbers);
+  const double off = std::abs(numbers.norm() - 1.0);
+  if (off > kRounding) throw std::runtime_error("a rotation is none");
+  const Eigen::Quaterniond rotation(numbers);
+  return off > 4.0 * std::numeric_limits<double>::epsilon() ? rotation.normalized() : rotation;
+}
+
 Json encodedCamera(const RigState& state, int c) {
   const RigEstimate& estimate = state.estimate;
   const Camera& camera = estimate.rig.cameras[c];
@@ -119,9 +129,7 @@ void decodeCamera(const Json& json, RigState* state) {
   if (pixels.size() != 2 || !(pixels[0] >= 0.0 && pixels[1] >= 0.0)) {
     throw std::runtime_error("an uncertainty is not two numbers");
   }
-  Eigen::Vector4d rotation;
-  read(json.at("rotation_xyzw"), &rotation);
-  if (std::abs(rotation.norm() - 1.0) > kRounding) throw std::runtime_error("a rotation is none");
+  const Eigen::Quaterniond rotation = readRotation(json.at("rotation_xyzw"));
   Eigen::Vector3d position;
   read(json.at("position"), &position);
   if (!(position.norm() < kLongest)) throw std::runtime_error("a position is too far away");
@@ -132,7 +140,7 @@ void decodeCamera(const Json& json, RigState* state) {
   readCovariance(json.at("position_covariance"), &place.position_covariance);
   readCovariance(json.at("difference_covariance"), &place.difference_covariance);
   estimate.rig.cameras.push_back(camera);
-  estimate.rig.rig_from_camera.emplace_back(Eigen::Quaterniond(rotation).normalized(), position);
+  estimate.rig.rig_from_camera.emplace_back(rotation, position);
   estimate.places.push_back(place);
   estimate.intrinsics_covariance.push_back(covariance);
   estimate.uncertainty.push_back({pixels[0], pixels[1]});

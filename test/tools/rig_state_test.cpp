@@ -72,6 +72,20 @@ std::string with(const Json::json_pointer& where, const Json& value) {
   return toText(json);
 }
 
+// A rotation written with fewer digits is one all the same, and then keeps its own.
+TEST(RigState, ARotationOfARoundedLengthReadsTheSameFromThenOn) {
+  for (int i = 0; i < 30; ++i) {
+    const double w = sample().estimate.rig.rig_from_camera[1].rotation.w() + 3e-9 * (i - 15);
+    const DecodedRigState once =
+        decodeRigState(with(Json::json_pointer("/cameras/1/rotation_xyzw/3"), w));
+    ASSERT_TRUE(once.state) << once.error;
+    EXPECT_NEAR(once.state->estimate.rig.rig_from_camera[1].rotation.norm(), 1.0, 1e-15);
+    const DecodedRigState again = decodeRigState(encode(*once.state));
+    ASSERT_TRUE(again.state) << again.error;
+    EXPECT_EQ(encode(*again.state), encode(*once.state));
+  }
+}
+
 TEST(RigState, WhatNoRigHasIsRefusedWithAReason) {
   using Where = Json::json_pointer;
   const std::string text = encode(sample());
