@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/estimate_distance.h"
 #include "camera_self_calibration/queue/weak_directions.h"
 
@@ -246,7 +247,7 @@ std::string AuditReport::sentence() const {
     text += formatted("; it has no ray for %.0f %% of the features", 100.0 * refused);
   }
   if (!where.empty()) text += "; off most " + where;
-  text += since_ns ? formatted("; since %.3f s", 1e-9 * static_cast<double>(*since_ns))
+  text += since_ns ? formatted("; since %.3f s", toSeconds(*since_ns))
                    : std::string("; from the beginning of the video");
   return text + "; likely cause: " + cause_sentence;
 }

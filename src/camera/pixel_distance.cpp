@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/camera/pixel_difference.h"
 #include "camera_self_calibration/camera/pixel_grid.h"
 #include "camera_self_calibration/camera/rotation_compensation.h"
@@ -56,8 +57,7 @@ PixelDifference pixelDifference(const Camera& a, const Camera& b, double max_rad
   const BestRotation best = bestRotation(area, b);
   PixelDifference difference;
   difference.error = best.error;
-  difference.rotation_deg =
-      best.rotation.angularDistance(Eigen::Quaterniond::Identity()) * 180.0 / M_PI;
+  difference.rotation_deg = best.rotation.angularDistance(Eigen::Quaterniond::Identity()) / kDegree;
   const auto compare = [&](const std::vector<PixelRay>& grid, auto* points) {
     for (const PixelRay& point : grid) {
       Eigen::Vector2d pixel;

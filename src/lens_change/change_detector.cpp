@@ -9,6 +9,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
@@ -29,8 +30,6 @@ constexpr double kSameLens = 0.5;  // distance between two findings, as a share 
 constexpr double kBlatant = 1.0;
 // Residual scale, over that of the queue's segments, of data that fit no lens.
 constexpr double kMaxMisfit = 2.0;
-
-double seconds(std::int64_t ns) { return 1e-9 * static_cast<double>(ns); }
 
 int keyframesBefore(const Segment& window, std::int64_t onset_ns) {
   int count = 0;
@@ -64,7 +63,7 @@ double ChangeDetector::limit() const { return share(interval_s_); }
 
 void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
   if (stamp_ns == last_stamp_ns_) return;
-  const double interval = std::clamp(seconds(stamp_ns - last_stamp_ns_), 0.02, 2.0);
+  const double interval = std::clamp(toSeconds(stamp_ns - last_stamp_ns_), 0.02, 2.0);
   if (last_stamp_ns_ > 0) interval_s_ += 0.1 * (interval - interval_s_);
   last_stamp_ns_ = stamp_ns;
 }

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/lens_change/change_detector.h"
 
@@ -64,7 +65,7 @@ void ChangeDetector::remember(const Candidate& candidate, const QuadraticLikelih
   if (!isNewSegment(candidate.segment.beginNs())) return;
   const std::int64_t since_ns =
       recent_.empty() ? likelihood.begin_ns : recent_.back().likelihood.end_ns;
-  course_limit_ = share(1e-9 * static_cast<double>(likelihood.end_ns - since_ns));
+  course_limit_ = share(toSeconds(likelihood.end_ns - since_ns));
   recent_.push_back({candidate, likelihood});
   if (recent_.size() > kSegments) recent_.pop_front();
 }

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/median.h"
 
 namespace camera_self_calibration {
@@ -29,7 +30,7 @@ constexpr std::size_t kMinSightings = 3;
 constexpr std::size_t kMinDepths = 10;
 constexpr double kMaxScaleError = 0.02;
 // How far two keyframes may disagree.
-constexpr double kMaxAngle = 2.0 * M_PI / 180.0;
+constexpr double kMaxAngle = 2.0 * kDegree;
 constexpr double kMaxDistance = 0.05;  // [median depths]
 
 // Logarithm of lengths in the old map over those in the new one, for each point that both know.

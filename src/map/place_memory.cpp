@@ -4,12 +4,13 @@
 #include <cmath>
 #include <utility>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/map/inverse_depth.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kSameViewAngle = 10.0 * M_PI / 180.0;
+constexpr double kSameViewAngle = 10.0 * kDegree;
 constexpr double kSameViewDistance = 0.1;  // [median depths]
 constexpr std::size_t kMinSightings = 3;   // of a point whose depth can be relied on
 

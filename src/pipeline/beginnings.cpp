@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/pipeline/back_end.h"
 #include "camera_self_calibration/pipeline/handover.h"
 
@@ -19,7 +20,7 @@ StartupOptions startupOptions(const Options& options) {
 
 std::string describe(const Event& event) {
   return formatted(" by %.2f px rms over the image; detected after %.1f s", event.magnitude_px,
-                   1e-9 * static_cast<double>(event.stamp_ns - event.onset_stamp_ns));
+                   toSeconds(event.stamp_ns - event.onset_stamp_ns));
 }
 
 }  // namespace

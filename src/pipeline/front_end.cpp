@@ -4,6 +4,7 @@
 #include <iterator>
 #include <utility>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
@@ -262,7 +263,7 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
   keyframe.id = keyframes_++;
   keyframe.stamp_ns = frame.stamp_ns;
   keyframe.world_from_camera = world_from_camera_;
-  const double seconds = 1e-9 * static_cast<double>(frame.stamp_ns - last_stamp_ns_);
+  const double seconds = toSeconds(frame.stamp_ns - last_stamp_ns_);
   if (seconds > 0.0 && keyframe.id > 0) keyframe.velocity = logSe3(last_motion_) / seconds;
   output->outliers = window_.addKeyframe(keyframe, whole.tracks);
   seekOlderMap(whole, describe, output);

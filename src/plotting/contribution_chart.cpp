@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/plotting/axes.h"
@@ -60,7 +61,7 @@ std::vector<SegmentContribution> contributions(const std::vector<Candidate>& que
     segments.push_back(&candidate);
   }
   const auto seconds = [origin_ns](std::int64_t stamp_ns) {
-    return 1e-9 * static_cast<double>(stamp_ns - origin_ns);
+    return toSeconds(stamp_ns - origin_ns);
   };
   std::vector<SegmentContribution> result;
   for (const Candidate* candidate : segments) {

@@ -6,6 +6,8 @@
 #include <map>
 #include <utility>
 
+#include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {
@@ -147,8 +149,8 @@ std::optional<TrajectoryDifference> compareTrajectories(
   result.rms = std::sqrt(squares / result.poses);
   const int count = std::max(1, relative.count);
   result.relative_translation = std::sqrt(relative.translation_squares / count);
-  result.relative_rotation_deg = std::sqrt(relative.rotation_squares / count) * 180.0 / M_PI;
-  result.interval_s = 1e-9 * static_cast<double>(kIntervalNs);
+  result.relative_rotation_deg = std::sqrt(relative.rotation_squares / count) / kDegree;
+  result.interval_s = toSeconds(kIntervalNs);
   return result;
 }
 

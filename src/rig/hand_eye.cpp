@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "robust_weights.h"
 
@@ -110,8 +111,7 @@ std::vector<MotionPair> motionPairs(const std::vector<RigFrame>& frames, int cam
   std::vector<MotionPair> motions;
   std::size_t end = 0;
   for (const RigFrame* begin : usable) {
-    while (end < usable.size() &&
-           1e-9 * static_cast<double>(usable[end]->stamp_ns - begin->stamp_ns) < interval_s) {
+    while (end < usable.size() && toSeconds(usable[end]->stamp_ns - begin->stamp_ns) < interval_s) {
       ++end;
     }
     if (end == usable.size()) break;

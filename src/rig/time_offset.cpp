@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "robust_weights.h"
 
@@ -32,7 +33,7 @@ struct Sample {
 };
 
 double secondsBetween(const RotationPair& a, const RotationPair& b) {
-  return 1e-9 * static_cast<double>(b.stamp_ns - a.stamp_ns);
+  return toSeconds(b.stamp_ns - a.stamp_ns);
 }
 
 // Nothing where images are missing between the two, or a map begins.
@@ -41,7 +42,7 @@ std::optional<Rates> ratesBetween(const RotationPair& a, const RotationPair& b, 
   if (a.rig_map != b.rig_map || a.camera_map != b.camera_map || !(seconds < 1.5 * usual_s)) {
     return std::nullopt;
   }
-  return Rates{1e-9 * static_cast<double>(a.stamp_ns) + 0.5 * seconds,
+  return Rates{toSeconds(a.stamp_ns) + 0.5 * seconds,
                logSo3(a.world_from_rig.conjugate() * b.world_from_rig) / seconds,
                logSo3(a.world_from_camera.conjugate() * b.world_from_camera) / seconds};
 }

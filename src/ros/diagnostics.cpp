@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/ros/node_log.h"
 
 namespace camera_self_calibration {
@@ -42,7 +43,7 @@ std::string meaningOf(EventType type) {
 void addEvent(const std::optional<Event>& event,
               diagnostic_updater::DiagnosticStatusWrapper* status) {
   if (!event) return;
-  const std::string stamp = formatted(" at %.3f s: ", 1e-9 * static_cast<double>(event->stamp_ns));
+  const std::string stamp = formatted(" at %.3f s: ", toSeconds(event->stamp_ns));
   status->add("last event",
               toString(event->type) + stamp + asSentence(event->sentence) + meaningOf(event->type));
 }

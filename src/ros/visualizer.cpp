@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/plotting/convergence_chart.h"
 #include "camera_self_calibration/ros/scene_messages.h"
 #include "camera_self_calibration/ros/stamps.h"
@@ -202,7 +203,7 @@ std::vector<Caption> Visualizer::captions(const FrameResult& frame) const {
 /// The newest event, unless it is long ago.
 std::optional<Caption> Visualizer::newsAt(std::int64_t stamp_ns) const {
   if (!newest_event_) return std::nullopt;
-  const double ago = 1e-9 * static_cast<double>(stamp_ns - newest_event_->stamp_ns);
+  const double ago = toSeconds(stamp_ns - newest_event_->stamp_ns);
   if (!(std::abs(ago) < kNewsS)) return std::nullopt;
   const std::string when = formatted(", %.0f s ago: ", std::max(0.0, ago));
   return Caption{eventColour(newest_event_->type),

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "camera_self_calibration/simulation/synthetic_motion.h"
 
@@ -15,8 +16,8 @@ constexpr double kDistance = 0.7;  // [m] Nearer than what stands in a room, as 
 constexpr double kDepth = 0.1;     // [m] By which they come nearer and go away.
 // [m] The corners of a cube of this edge still stay in front of the camera.
 constexpr double kLargest = 1.1 * (kDistance - kDepth);
-constexpr double kWidest = 50.0 * M_PI / 180.0;  // From the optical axis: their middle.
-constexpr int kSamples = 12;                     // In time, for the mean of what is covered.
+constexpr double kWidest = 50.0 * kDegree;  // From the optical axis: their middle.
+constexpr int kSamples = 12;                // In time, for the mean of what is covered.
 
 constexpr int kGridColumns = 32;
 constexpr int kGridRows = 24;

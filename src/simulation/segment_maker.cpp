@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/simulation/random.h"
 
@@ -42,7 +43,7 @@ Trajectory trajectoryOf(const SegmentOptions& options, const World& world, std::
 
 // Stamps of the warm-up frames and of the keyframes: as a keyframe rule would choose them.
 std::vector<std::int64_t> stampsOf(const SegmentOptions& options, const Trajectory& trajectory) {
-  const double largest_turn = options.keyframe_rotation_deg * M_PI / 180.0;
+  const double largest_turn = options.keyframe_rotation_deg * kDegree;
   std::vector<double> times;
   for (int k = -kWarmUpFrames; k <= 0; ++k) {
     times.push_back(options.start_s + k * options.keyframe_interval_s);

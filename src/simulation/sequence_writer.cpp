@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/simulation/tum_file.h"
 
 namespace camera_self_calibration {
@@ -45,7 +46,7 @@ void writeSequence(const SimulatedSequence& sequence, const std::string& folder,
   for (int i = 0; i < sequence.size(); ++i) {
     const SimulatedFrame frame = sequence.frame(i);
     writeImage(folder + formatted("/%06d.", i) + extension, frame.image);
-    poses.push_back({1e-9 * static_cast<double>(frame.stamp_ns), frame.world_from_camera});
+    poses.push_back({toSeconds(frame.stamp_ns), frame.world_from_camera});
     if (progress) progress(i);
   }
   writeTum(folder + "/ground_truth.tum", poses);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/plotting/line_chart.h"
 #include "camera_self_calibration/plotting/palette.h"
 #include "html_page.h"
@@ -116,7 +117,7 @@ struct TimeAxis {
   std::int64_t origin_ns = 0;
   double least = 0.0;  // half the width of a bag, so that it is seen
   double at(std::int64_t stamp_ns) const {
-    return 1e-9 * static_cast<double>(stamp_ns - origin_ns) / kSecondsInADay;
+    return toSeconds(stamp_ns - origin_ns) / kSecondsInADay;
   }
 };
 

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
@@ -140,7 +141,7 @@ std::string fileStem(const std::string& camera) {
 
 std::string timeText(std::int64_t stamp_ns) {
   const std::int64_t seconds = stamp_ns / 1000000000;
-  if (seconds < kClockWasSet) return formatted("%.1f s", 1e-9 * static_cast<double>(stamp_ns));
+  if (seconds < kClockWasSet) return formatted("%.1f s", toSeconds(stamp_ns));
   const auto time = static_cast<std::time_t>(seconds);
   std::tm utc{};
   gmtime_r(&time, &utc);

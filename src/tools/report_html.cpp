@@ -7,6 +7,7 @@
 
 #include "batch_figures.h"
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/field_of_view.h"
 #include "camera_self_calibration/camera/pixel_difference.h"
 #include "camera_self_calibration/plotting/contribution_chart.h"
@@ -34,7 +35,7 @@ std::int64_t originOf(const Recording& recording) {
 double secondsOf(const Recording& recording) {
   const std::int64_t end = std::max(recording.final_report.stamp_ns,
                                     recording.poses.empty() ? 0 : recording.poses.back().stamp_ns);
-  return std::max(0.0, 1e-9 * static_cast<double>(end - originOf(recording)));
+  return std::max(0.0, toSeconds(end - originOf(recording)));
 }
 
 std::string verdictSentence(const Recording& recording) {
@@ -166,7 +167,7 @@ void addText(const RunDescription& run, const Recording& recording, HtmlPage* pa
 void addExample(const Recording& recording, HtmlPage* page) {
   if (!recording.example) return;
   const ExampleImage& example = *recording.example;
-  const double at_s = 1e-9 * static_cast<double>(example.stamp_ns - originOf(recording));
+  const double at_s = toSeconds(example.stamp_ns - originOf(recording));
   const bool known = recording.final_report.covariance.size() > 0;
   page->section("An example image",
                 "Straight edges of the scene are straight in the undistorted image if the "
@@ -379,8 +380,8 @@ void addEvents(const Recording& recording, HtmlPage* page) {
   std::vector<std::vector<std::string>> rows = {{"at [s]", "event", ""}};
   const std::int64_t origin = originOf(recording);
   for (const Event& event : recording.events) {
-    rows.push_back({number(1e-9 * static_cast<double>(event.stamp_ns - origin), 2),
-                    toString(event.type), asSentence(event.sentence)});
+    rows.push_back({number(toSeconds(event.stamp_ns - origin), 2), toString(event.type),
+                    asSentence(event.sentence)});
   }
   page->table(rows);
 }

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/plotting/histogram.h"
 #include "camera_self_calibration/plotting/image_map.h"
@@ -276,7 +277,7 @@ Sheet drawResidualsOverTime(const Recording& recording, std::int64_t origin_ns) 
   for (const auto& [key, ring] : keyframes) {
     Curve& curve = segments[key.first];
     curve.colour = palette(Theme::kLight).curve;
-    curve.x.push_back(1e-9 * static_cast<double>(key.second - origin_ns));
+    curve.x.push_back(toSeconds(key.second - origin_ns));
     curve.y.push_back(std::sqrt(0.5 * ring.squares / ring.count));
   }
   LineChart chart;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/base/stamp.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -108,10 +109,9 @@ void MotionHistory::measureStep(Image* next) {
     evenness_ = 0.0;
   }
   const std::int64_t period_ns = clock_.period();
-  next->stamped_step_s = 1e-9 * static_cast<double>(step_ns);
-  next->even_step_s = period_ns == 0 || step.gap
-                          ? next->stamped_step_s
-                          : 1e-9 * static_cast<double>((1 + step.missed) * period_ns);
+  next->stamped_step_s = toSeconds(step_ns);
+  next->even_step_s =
+      period_ns == 0 || step.gap ? next->stamped_step_s : toSeconds((1 + step.missed) * period_ns);
 }
 
 void MotionHistory::weighSteps() {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <unordered_map>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/geometry/so3.h"
 
@@ -114,7 +115,7 @@ bool KeyframeRule::isKeyframe(const TrackedFrame& frame, const Camera& camera,
   const std::vector<Pair> pairs = commonTracks(last_, frame);
   if (pairs.empty() || frame.width <= 0) return false;
   const double min_parallax = spacing * options_.min_parallax * frame.width;  // [px]
-  const double min_rotation = spacing * options_.min_rotation_deg * M_PI / 180.0;
+  const double min_rotation = spacing * options_.min_rotation_deg * kDegree;
   const Motion motion = measureMotion(pairs, camera);
   if (motion.parallax >= min_parallax) return true;
   if (motion.rotation >= min_rotation) return true;

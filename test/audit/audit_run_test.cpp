@@ -4,6 +4,7 @@
 
 #include "audit/audit_samples.h"
 #include "camera_self_calibration/audit/audit_history.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "pipeline/track_run.h"
 #include "sanitized.h"
 
@@ -49,7 +50,7 @@ TEST(AuditRun, DatesAZoom) {
   }
   ASSERT_EQ(newest.verdict, AuditVerdict::kWrong) << newest.sentence();
   ASSERT_TRUE(newest.since_ns);
-  EXPECT_NEAR(1e-9 * static_cast<double>(*newest.since_ns) - 1.0, kZoomS, 0.3);
+  EXPECT_NEAR(toSeconds(*newest.since_ns) - 1.0, kZoomS, 0.3);
   EXPECT_EQ(newest.cause, LikelyCause::kFocalLength) << newest.sentence();
 }
 

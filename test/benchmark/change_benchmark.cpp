@@ -17,6 +17,7 @@
 #include "benchmark/many_changes.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 
@@ -150,8 +151,7 @@ void printTrial(const Scenario& scenario, const Outcome& outcome) {
               pixelDistance(outcome.truth, outcome.report.camera).rms,
               outcome.report.uncertainty.rms, outcome.report.sentence.c_str());
   for (const Event& event : outcome.changes) {
-    std::printf("    %.1f s: %s\n", 1e-9 * static_cast<double>(event.stamp_ns - kStartNs),
-                event.sentence.c_str());
+    std::printf("    %.1f s: %s\n", toSeconds(event.stamp_ns - kStartNs), event.sentence.c_str());
   }
 }
 
@@ -179,7 +179,7 @@ void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_
     row.checks += outcome.checks;
     row.outside += outcome.outside;
     for (const Event& event : outcome.changes) {
-      const double delay = 1e-9 * static_cast<double>(event.stamp_ns - kStartNs) - kChangeS;
+      const double delay = toSeconds(event.stamp_ns - kStartNs) - kChangeS;
       row.early += delay < 0.0;
       if (delay < 0.0) continue;
       row.delays.push_back(delay);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 
 namespace camera_self_calibration {
@@ -16,7 +17,7 @@ constexpr double kGross = 1.0;        // [px]
 constexpr double kLeastParallax = 2.0;
 
 const Rigid3* poseAt(const std::vector<StampedPose>& poses, std::int64_t stamp_ns) {
-  const double time = 1e-9 * static_cast<double>(stamp_ns);
+  const double time = toSeconds(stamp_ns);
   const auto next =
       std::lower_bound(poses.begin(), poses.end(), time - kSameMoment,
                        [](const StampedPose& pose, double value) { return pose.time_s < value; });

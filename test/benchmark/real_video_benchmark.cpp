@@ -10,6 +10,7 @@
 
 #include "benchmark/pipeline_run.h"
 #include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/tools/image_source.h"
 
 namespace camera_self_calibration {
@@ -34,8 +35,7 @@ Video load(const std::string& argument) {
   }
   std::vector<double> intervals;
   for (std::size_t i = 1; i < video.images.size(); ++i) {
-    intervals.push_back(
-        1e-9 * static_cast<double>(video.images[i].stamp_ns - video.images[i - 1].stamp_ns));
+    intervals.push_back(toSeconds(video.images[i].stamp_ns - video.images[i - 1].stamp_ns));
   }
   const double interval = median(intervals, 0.0);
   if (!(interval > 0.0)) throw std::runtime_error(argument + " holds no video");

@@ -23,6 +23,7 @@
 #include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/rig/rig_audit.h"
@@ -232,7 +233,7 @@ Eigen::Vector3d trueTurn(const SimulatedRigOptions& options) {
 }
 
 bool judgeChange(const MountChange& change, const SimulatedRigOptions& options, MountTally* tally) {
-  const double dated = 1e-9 * static_cast<double>(change.onset_ns) - options.change_at_s;
+  const double dated = toSeconds(change.onset_ns) - options.change_at_s;
   const int camera = options.rig.size() == 2 ? 1 : options.changed;
   if (change.camera != camera || std::abs(dated) > kOnsetTolerance) return false;
   const Eigen::Vector3d error = change.rotation - trueTurn(options);
@@ -240,7 +241,7 @@ bool judgeChange(const MountChange& change, const SimulatedRigOptions& options, 
       chiSquareExceedance(error.dot(change.rotation_covariance.inverse() * error), 3.0);
   tally->amount += p > kBeyondThreeSigma;
   tally->error_deg.push_back(error.norm() / kDegree);
-  tally->late_s.push_back(1e-9 * static_cast<double>(change.found_ns) - options.change_at_s);
+  tally->late_s.push_back(toSeconds(change.found_ns) - options.change_at_s);
   tally->dated_s.push_back(std::abs(dated));
   return true;
 }
@@ -253,7 +254,7 @@ void runChange(const std::string& kind, double degrees, std::uint64_t seed, Moun
   bool known = false, falsely = false;
   play(rig, asFoundAlone(rig.truth, seed), &session, [&](const RigReport& report) {
     if (report.state != CalibrationState::kConverged) return;
-    const double time_s = 1e-9 * static_cast<double>(report.estimate.poses.back().stamp_ns);
+    const double time_s = toSeconds(report.estimate.poses.back().stamp_ns);
     known = known || time_s < options.change_at_s;
     falsely = falsely || !(near(report.estimate, rig.truth) || near(report.estimate, after));
   });

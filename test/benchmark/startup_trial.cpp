@@ -8,6 +8,7 @@
 
 #include "benchmark/trial_optimum.h"
 #include "benchmark/trial_tracks.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
@@ -97,7 +98,7 @@ class Runner {
   }
 
   void watch(const Event& event) {
-    const double time = 1e-9 * static_cast<double>(event.stamp_ns - kStartNs);
+    const double time = toSeconds(event.stamp_ns - kStartNs);
     if (event.type == EventType::kHandover) outcome_.handover_s = time;
     if (event.type == EventType::kConverged) outcome_.converged_s = time;
     if (event.type == EventType::kLost) outcome_.lost = true;

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "camera/sample_cameras.h"
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/camera/pixel_difference.h"
 #include "camera_self_calibration/geometry/so3.h"
 
@@ -201,7 +202,7 @@ TEST(PixelDifference, AddsUpToTheDistance) {
               1e-9);
   EXPECT_NEAR(largest, difference.error.max, 1e-9) << "in a corner";
   // Five pixels of the principal point are mostly a rotation by 5 / 420.
-  EXPECT_NEAR(difference.rotation_deg, 5.0 / 420.0 * 180.0 / M_PI, 0.1);
+  EXPECT_NEAR(difference.rotation_deg, 5.0 / 420.0 / kDegree, 0.1);
 }
 
 TEST(PixelDifference, CountsWhatTheOtherCannotSee) {

@@ -5,6 +5,7 @@
 
 #include "benchmark/changing_tracks.h"
 #include "benchmark/random_lens.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "lens_change/change_samples.h"
 #include "pipeline/track_run.h"
 #include "sanitized.h"
@@ -29,7 +30,7 @@ const Event* firstChange(const Record& record) {
   return nullptr;
 }
 
-double since(std::int64_t stamp_ns) { return 1e-9 * static_cast<double>(stamp_ns) - 1.0; }
+double since(std::int64_t stamp_ns) { return toSeconds(stamp_ns) - 1.0; }
 
 TEST(Change, AZoomIsNoticedDatedAndLearntAnew) {
   const auto cameras = ordinaryCameras();

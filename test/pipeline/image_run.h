@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 #include <vector>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/reference/trajectory_comparison.h"
 #include "camera_self_calibration/simulation/random.h"
@@ -99,9 +100,7 @@ class ImageRun {
 
  private:
   static constexpr std::int64_t kStartNs = 1000000000;
-  static double timeOf(std::int64_t stamp_ns) {
-    return 1e-9 * static_cast<double>(stamp_ns - kStartNs);
-  }
+  static double timeOf(std::int64_t stamp_ns) { return toSeconds(stamp_ns - kStartNs); }
   std::int64_t stampNs() const { return kStartNs + static_cast<std::int64_t>(1e9 * now()); }
 
   double rate_hz_;

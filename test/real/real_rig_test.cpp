@@ -11,6 +11,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/tools/calibrate_rig.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
@@ -101,7 +102,7 @@ TEST(RealRig, ACameraThatIsTurnedIsFound) {
   const MountChange& change = recording.mount_changes.front();
   SCOPED_TRACE(change.sentence);
   EXPECT_EQ(change.camera, 1);
-  EXPECT_NEAR(1e-9 * static_cast<double>(change.onset_ns), half_s, 2.0);
+  EXPECT_NEAR(toSeconds(change.onset_ns), half_s, 2.0);
   const Eigen::Vector3d roll = kTruth.inverse().rotation * Eigen::Vector3d(0.0, 0.0, kRoll);
   const Eigen::Vector3d error = change.rotation - roll;
   EXPECT_LT(error.norm(), 0.1 * kDegree);

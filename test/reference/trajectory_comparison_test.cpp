@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {
@@ -71,9 +73,9 @@ TEST(TrajectoryComparison, TellsAKnownErrorAndItsShareOfTheWay) {
 TEST(TrajectoryComparison, RelativeErrorIsThatOfOneSecond) {
   const Poses way = someWay(400);
   Poses drifting = way;
-  const double rate = 0.5 * M_PI / 180.0;
+  const double rate = 0.5 * kDegree;
   for (StampedCameraPose& pose : drifting) {
-    const double t = 1e-9 * static_cast<double>(pose.stamp_ns);
+    const double t = toSeconds(pose.stamp_ns);
     pose.world_from_camera.rotation = expSo3({0, 0, rate * t}) * pose.world_from_camera.rotation;
   }
   const auto difference = compareTrajectories(drifting, way);

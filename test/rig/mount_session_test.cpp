@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "rig/played_rig.h"
 
@@ -66,7 +67,7 @@ TEST(MountSession, ATurnedCameraIsFoundAndTheRigLearntAnew) {
   const RigReport last = session.report();
   ASSERT_EQ(last.mount_changes.size(), 1u);
   const MountChange& change = last.mount_changes.front();
-  EXPECT_NEAR(1e-9 * static_cast<double>(change.onset_ns), kChangeS, 1.0);
+  EXPECT_NEAR(toSeconds(change.onset_ns), kChangeS, 1.0);
   const Eigen::Vector3d turn =
       options.rig.rig_from_camera[1].rotation * logSo3(options.bump.rotation);
   EXPECT_LT((change.rotation - turn).norm(), 4.0 * change.angleSigma() + 0.01 * kDegree);

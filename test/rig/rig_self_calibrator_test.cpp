@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "camera/sample_cameras.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/simulation/simulated_sequence.h"
 #include "rig/simulated_rig.h"
@@ -93,8 +94,8 @@ TEST(RigSelfCalibrator, ACameraThatIsTurnedRaisesAnEvent) {
   }
   const RigReport report = rig.solve();
   ASSERT_EQ(events.size(), 1u) << report.sentence;
-  const double begin_s = 1e-9 * static_cast<double>(turned.front().front().stamp_ns);
-  EXPECT_NEAR(1e-9 * static_cast<double>(events[0].onset_stamp_ns) - begin_s, kTurnedS, 1.0);
+  const double begin_s = toSeconds(turned.front().front().stamp_ns);
+  EXPECT_NEAR(toSeconds(events[0].onset_stamp_ns) - begin_s, kTurnedS, 1.0);
   EXPECT_NEAR(events[0].rotation, 0.02, 3.0 * events[0].rotation_sigma + 5e-4);
   EXPECT_GT(events[0].stamp_ns, events[0].onset_stamp_ns);
   EXPECT_EQ(events[0].epoch, report.epoch);

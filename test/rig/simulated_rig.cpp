@@ -3,6 +3,7 @@
 #include <cmath>
 #include <memory>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
 #include "camera_self_calibration/simulation/mount.h"
@@ -117,8 +118,8 @@ SimulatedRig simulateRig(const SimulatedRigOptions& options) {
                                                  const std::vector<ExpectedAcross>& expected) {
     std::vector<SeenAcross> seen;
     for (const ExpectedAcross& feature : expected) {
-      const auto pixel = (*tracks)[to].project((*points)[from].at(feature.track_id),
-                                               1e-9 * static_cast<double>(frame.stamp_ns));
+      const auto pixel =
+          (*tracks)[to].project((*points)[from].at(feature.track_id), toSeconds(frame.stamp_ns));
       // As a registration, which finds what is near.
       if (!pixel || (*pixel - feature.there.pixel).norm() > 15.0) continue;
       seen.push_back({0, from, feature.track_id, to, *pixel + sigma * noise->normal2(), sigma});

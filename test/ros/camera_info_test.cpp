@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/ros/model_conversion.h"
 
@@ -49,7 +50,7 @@ TEST(CameraInfo, RadtanKeepsItsCoefficients) {
 TEST(CameraInfo, FovGoesOutAsEquidistantWithinTheStatedError) {
   // The largest error over the image [px] for each w, at a field of 150 degrees over the diagonal.
   for (const auto& [w, limit] : {std::pair(0.5, 0.05), std::pair(0.9, 0.01), std::pair(1.2, 0.2)}) {
-    const double edge = std::tan(75.0 * M_PI / 180.0);
+    const double edge = std::tan(75.0 * kDegree);
     const double f = 400.0 * w / std::atan(2.0 * edge * std::tan(w / 2.0));
     const Camera fov = makeCamera(CameraModel::kFov, {f, f, 319.5, 239.5, w});
     const auto conversion = toCameraInfo(fov);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/ros/stamps.h"
 
@@ -127,8 +128,8 @@ TEST(Messages, AMountThatChanged) {
   event.onset_stamp_ns = 12'300'000'000;
   event.epoch = 1;
   event.p_value = 1e-12;
-  event.rotation = 0.52 * M_PI / 180.0;
-  event.rotation_sigma = 0.04 * M_PI / 180.0;
+  event.rotation = 0.52 * kDegree;
+  event.rotation_sigma = 0.04 * kDegree;
   const CalibrationEvent message = toCalibrationEvent(event, event.epoch);
   EXPECT_EQ(message.type, CalibrationEvent::MOUNT_CHANGED);
   EXPECT_EQ(message.onset_stamp, ros::Time(12, 300000000));

@@ -6,6 +6,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/base/stamp.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -140,8 +143,7 @@ TEST(MakeSegment, VelocityLeadsFromKeyframeToKeyframe) {
   options.keyframe_interval_s = 0.02;
   const std::vector<Keyframe> keyframes = makeSegment(options, 7).segment.keyframes;
   for (std::size_t i = 1; i < keyframes.size(); ++i) {
-    const double seconds =
-        1e-9 * static_cast<double>(keyframes[i].stamp_ns - keyframes[i - 1].stamp_ns);
+    const double seconds = toSeconds(keyframes[i].stamp_ns - keyframes[i - 1].stamp_ns);
     const Vector6d mean = 0.5 * (keyframes[i - 1].velocity + keyframes[i].velocity);
     const Rigid3 predicted = keyframes[i - 1].world_from_camera * expSe3(seconds * mean);
     const Vector6d error = logSe3(predicted.inverse() * keyframes[i].world_from_camera);
@@ -160,7 +162,7 @@ TEST(MakeSegment, KeyframesFollowTimeAndRotation) {
         keyframes[i].world_from_camera.rotation);
     EXPECT_GT(step, 0);
     EXPECT_LE(step, 250000000);
-    EXPECT_LT(turn, 9.0 * M_PI / 180.0);
+    EXPECT_LT(turn, 9.0 * kDegree);
   }
 }
 

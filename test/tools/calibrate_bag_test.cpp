@@ -13,6 +13,7 @@
 #include <regex>
 #include <sstream>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/simulation/sequence_writer.h"
 #include "camera_self_calibration/simulation/tum_file.h"
 #include "camera_self_calibration/tools/calibration_file.h"
@@ -247,8 +248,7 @@ struct ComparedRun {
     const SimulatedSequence sequence(converged().truth);
     std::vector<StampedPose> poses;
     for (int i = 0; i < sequence.size(); ++i) {
-      poses.push_back(
-          {1e-9 * static_cast<double>(sequence.stampNs(i)), sequence.worldFromCamera(i)});
+      poses.push_back({toSeconds(sequence.stampNs(i)), sequence.worldFromCamera(i)});
     }
     writeTum(folder / "truth.tum", poses);
     writeTruth(folder / "truth.yaml", converged().truth.lens);
@@ -410,7 +410,8 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder.string() + " --topics /a /b --baseline -1", "--baseline"},
       {folder.string() + " --topics /a /b --baseline inf", "--baseline"},
       {folder.string() + " --topics /a /b --topic /a", "--topic is for one camera"},
-      {folder.string() + " --topics /a /b --audit " + (folder / "missing.yaml"), "cannot be opened"},
+      {folder.string() + " --topics /a /b --audit " + (folder / "missing.yaml"),
+       "cannot be opened"},
       {folder.string() + " --topics /a /b --report", "--out"},
       {folder.string() + " --ground-truth " + (folder / "missing.tum"), "missing.tum"},
       {folder.string() + " --reference-calibration " + (folder / "missing.yaml"),

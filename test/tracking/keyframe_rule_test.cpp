@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/rigid3.h"
 #include "camera_self_calibration/geometry/so3.h"
 
@@ -104,7 +105,7 @@ TEST(KeyframeRule, RotationAlone) {
   for (int axis = 0; axis < 3; ++axis) {
     KeyframeRule rule{KeyframeOptions()};
     rule.setKeyframe(scene.see(kZero, kZero));
-    const Eigen::Vector3d degree = Eigen::Vector3d::Unit(axis) * M_PI / 180.0;
+    const Eigen::Vector3d degree = Eigen::Vector3d::Unit(axis) * kDegree;
     EXPECT_FALSE(rule.isKeyframe(scene.see(4.0 * degree, kZero), scene.camera())) << axis;
     EXPECT_TRUE(rule.isKeyframe(scene.see(10.0 * degree, kZero), scene.camera())) << axis;
   }
@@ -114,7 +115,7 @@ TEST(KeyframeRule, SpacingMultipliesRotationAndParallax) {
   Scene scene;
   KeyframeRule rule{KeyframeOptions()};
   rule.setKeyframe(scene.see(kZero, kZero));
-  const Eigen::Vector3d turn(0.0, 7.0 * M_PI / 180.0, 0.0);
+  const Eigen::Vector3d turn(0.0, 7.0 * kDegree, 0.0);
   EXPECT_TRUE(rule.isKeyframe(scene.see(turn, kZero), scene.camera()));
   EXPECT_FALSE(rule.isKeyframe(scene.see(turn, kZero), scene.camera(), 2.0));
   EXPECT_TRUE(rule.isKeyframe(scene.see(2.0 * turn, kZero), scene.camera(), 2.0));

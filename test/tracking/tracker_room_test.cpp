@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/simulation/simulated_sequence.h"
 #include "tracking/track_errors.h"
 
@@ -15,7 +16,7 @@ namespace {
 Camera wideLens() {
   Intrinsics parameters(5);
   const double w = 1.0;
-  const double f = 319.5 * w / std::atan(2.0 * std::tan(0.5 * w) * std::tan(70.0 * M_PI / 180.0));
+  const double f = 319.5 * w / std::atan(2.0 * std::tan(0.5 * w) * std::tan(70.0 * kDegree));
   parameters << f, f, 319.5, 239.5, w;
   return Camera(CameraModel::kFov, 640, 480, parameters);
 }

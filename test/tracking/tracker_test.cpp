@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "tracking/track_errors.h"
 
@@ -63,7 +64,7 @@ TEST(Tracker, FollowsThroughChangesOfBrightness) {
 TEST(Tracker, FollowsThroughATurnOfTheCamera) {
   BoxSequence options = once(31);
   options.world_from_camera = [](int i) {
-    return Rigid3(expSo3({0.0, 0.0, i * 3.0 * M_PI / 180.0}), Eigen::Vector3d::Zero());
+    return Rigid3(expSo3({0.0, 0.0, i * 3.0 * kDegree}), Eigen::Vector3d::Zero());
   };
   const auto errors = errorsInImage(trackSequence(renderer(), options), 30);
   EXPECT_GT(errors.size(), 20u);

@@ -7,6 +7,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/simulation/lens.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "camera_self_calibration/simulation/trajectory.h"
@@ -68,7 +69,7 @@ class FeatureTracks {
   Camera cameraAt(std::int64_t stamp_ns) const { return lens_.at(timeOf(stamp_ns)); }
   const Trajectory& trajectory() const { return trajectory_; }
   double timeOf(std::int64_t stamp_ns) const {
-    return 1e-9 * static_cast<double>(stamp_ns - options_.start_stamp_ns);
+    return toSeconds(stamp_ns - options_.start_stamp_ns);
   }
 
  private:
