@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "camera_self_calibration/base/stamp.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -69,8 +71,7 @@ MountVerdict MountWatch::judge(const std::optional<RigLikelihood>& newest, const
   };
   if (!std::all_of(all.begin(), all.end(), fits) || all.empty()) return {};
   const std::int64_t begin_ns = asked_ns_.value_or(all.front().begin_ns);
-  const double hours =
-      1e-9 / 3600.0 * static_cast<double>(std::max<std::int64_t>(0, all.back().end_ns - begin_ns));
+  const double hours = toSeconds(std::max<std::int64_t>(0, all.back().end_ns - begin_ns)) / 3600.0;
   asked_ns_ = all.back().end_ns;
   MountVerdict verdict = judgeMounts(all, reference, options_.false_alarms_per_hour * hours);
   const auto at =

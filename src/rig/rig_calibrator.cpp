@@ -208,8 +208,6 @@ void RigCalibrator::observe(const RigFrame& frame) {
   }
 }
 
-// Images that are not taken when their stamps say bend all else: what is found then is not
-// believed.
 void RigCalibrator::compareClocks(RigEstimate* estimate) const {
   for (int c = 1; c < rig_.size(); ++c) {
     estimate->places[c].time_offset = timeOffset({rotations_[c].begin(), rotations_[c].end()});

@@ -150,6 +150,7 @@ void judgeRig(RigEstimate* estimate) {
         "turn the rig about all axes, and quickly, so that the cameras move differently; views "
         "that overlap tell the positions best";
   }
+  // Images that are not taken when their stamps say bend all else.
   for (int c = 1; c < estimate->rig.size(); ++c) {
     const TimeOffset& offset = estimate->places[c].time_offset;
     if (!offset.harms()) continue;

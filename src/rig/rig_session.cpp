@@ -18,10 +18,6 @@ namespace {
 constexpr int kMinNewKeyframes = 20;
 constexpr int kNewShare = 4;
 
-constexpr double kChance = 0.0027;  // beyond 3 sigma
-
-bool wasShifted(const MountChange& change) { return change.shiftPValue() < kChance; }
-
 TimedView viewOf(const FrameResult& result) {
   TimedView timed;
   timed.stamp_ns = result.stamp_ns;
@@ -58,8 +54,7 @@ RigSession::RigSession(const RigOptions& options, int cameras, const FindAcross&
       seen_(static_cast<std::size_t>(cameras), false),
       views_(cameras),
       calibrator_(options, cameras, across),
-      watch_(options),
-      baseline_m_(options.baseline_m) {}
+      watch_(options) {}
 
 bool RigSession::lensesKnown() const {
   return std::all_of(lenses_.begin(), lenses_.end(),
@@ -70,10 +65,12 @@ void RigSession::restore(const RigEstimate& before) {
   const std::lock_guard<std::mutex> lock(mutex_);
   restored_ = before;
   compared_ = false;
-  if (!options_.baseline_m && before.metric) {
-    baseline_m_ = before.rig.rig_from_camera[1].translation.norm();
+  if (options_.baseline_m) {
+    setBaseline(*options_.baseline_m, &*restored_);
+  } else if (before.metric && before.places[1].position_known) {
+    saved_baseline_m_ = before.rig.rig_from_camera[1].translation.norm();
   }
-  report_.estimate = before;
+  report_.estimate = *restored_;
   ++report_.revision;
 }
 
@@ -100,8 +97,10 @@ void RigSession::collect(std::vector<TimedView> views) {
   ++new_keyframes_;
 }
 
-// Where the cameras sit stays what was known before.
+// Where the cameras sit stays what was known before. A saved baseline that was not compared with
+// the images yet is not believed any more.
 void RigSession::beginAnew(const std::string& why) {
+  if (restored_) saved_baseline_m_.reset();
   ++report_.epoch;
   new_keyframes_ = 0;
   doubt_.clear();
@@ -171,6 +170,7 @@ RigEstimate RigSession::solveJointly(Lock* lock) {
   if (estimate.sentence.empty()) estimate = calibrator.estimate(std::move(cameras));
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
   lock->lock();
+  if (saved_baseline_m_) setBaseline(saved_baseline_m_, &estimate);
   ++report_.solutions;
   report_.solve_seconds = seconds.count();
   return estimate;
@@ -208,7 +208,7 @@ bool RigSession::conclude(const MountVerdict& verdict, const KnownRig& known) {
   calibrator_.forgetBefore(verdict.begin_ns);
   known_ = {moved(known.rig, verdict.change), known.inverse_depth};
   MountChange change = verdict.change;
-  beginAnew(textOf(change));
+  beginAnew(textOf(change) + forgottenBaseline());
   new_keyframes_ = calibrator_.frames();
   change.epoch = report_.epoch;
   change.sentence = report_.anew;
@@ -216,9 +216,7 @@ bool RigSession::conclude(const MountVerdict& verdict, const KnownRig& known) {
   return true;
 }
 
-// A baseline that was measured holds while both its cameras stay; one that is given is not doubted.
 void RigSession::remember(const MountChange& change) {
-  if (change.camera <= 1 && wasShifted(change)) baseline_m_ = options_.baseline_m;
   report_.mount_changes.push_back(change);
   if (report_.mount_changes.size() <= RigReport::kMaxMountChanges) return;
   report_.mount_changes.erase(report_.mount_changes.begin());
@@ -237,9 +235,18 @@ std::string RigSession::doubtText(const MountVerdict& verdict) const {
          formatted(" (p = %.1e), which the next keyframes will tell", verdict.change.p_value);
 }
 
+// Along their baseline the images of two cameras show no shift: a saved length holds only while no
+// camera of the rig was moved. One that is given is not doubted. Returns what there is to say of
+// it.
+std::string RigSession::forgottenBaseline() {
+  if (!std::exchange(saved_baseline_m_, std::nullopt)) return "";
+  return "; lengths are in metres no longer, give the baseline";
+}
+
 // A rotation or shift that may be chance goes unmentioned where the other one is none.
 std::string RigSession::amountOf(const MountChange& change) const {
-  const bool shifted = wasShifted(change);
+  constexpr double kChance = 0.0027;  // beyond 3 sigma
+  const bool shifted = change.shiftPValue() < kChance;
   std::string text;
   if (change.rotationPValue() < kChance || !shifted) {
     text += formatted("turned by %.2f +- %.2f degrees", change.angle() / kDegree,
@@ -295,23 +302,24 @@ void RigSession::compareWithSaved(const RigEstimate& estimate) {
   compared_ = true;
   if (changes.empty()) return;
   report_.estimate.converged = false;
+  const std::string forgotten = forgottenBaseline();
   if (!(options_.false_alarms_per_hour > 0.0)) return;
   // Where all others are elsewhere, it is the first that was moved, or they were one by one.
   const bool first =
       changes.size() > 1 && static_cast<int>(changes.size()) + 1 == estimate.rig.size();
   for (MountChange& change : changes) {
     change.epoch = ++report_.epoch;
-    change.sentence =
-        asSentence(nameOf(change.camera) + " is not where it was when the rig was saved: it was " +
-                   amountOf(change) + (first ? "; so were all others, or else " + nameOf(0) : ""));
+    change.sentence = asSentence(
+        nameOf(change.camera) + " is not where it was when the rig was saved: it was " +
+        amountOf(change) + (first ? "; so were all others, or else " + nameOf(0) : "") + forgotten);
     remember(change);
   }
 }
 
 void RigSession::take(RigEstimate estimate) {
-  if (baseline_m_ && !estimate.metric) setBaseline(baseline_m_, &estimate);
+  const bool metric = estimate.metric;
   if (restored_ && estimate.usable && doubt_.empty()) compareWithSaved(estimate);
-  if (!baseline_m_ && estimate.metric) setBaseline(std::nullopt, &estimate);
+  if (metric && !options_.baseline_m && !saved_baseline_m_) setBaseline(std::nullopt, &estimate);
   if (!doubt_.empty() && estimate.converged) {
     estimate.converged = false;
     estimate.sentence = withFullStop(estimate.sentence) + " " + asSentence(doubt_);

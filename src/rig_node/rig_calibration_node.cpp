@@ -109,7 +109,6 @@ void RigCalibrationNode::loadRig() {
   if (!loaded.note.empty()) log_.info(loaded.note);
   if (!loaded.problem.empty()) log_.warn(loaded.problem);
   loaded_rig_ = std::move(loaded.rig);
-  if (loaded_rig_ && options_.baseline > 0.0) setBaseline(options_.baseline, &*loaded_rig_);
 }
 
 // Once the size of its images is known. The rig holds for the lenses that it was learnt with, so

@@ -22,9 +22,9 @@ bool isRational(const sensor_msgs::CameraInfo& info) {
          info.D.size() == kRationalCount;
 }
 
-/// None at all, or one of images.
+/// One of images; a width or height that is not given (0) may be anything that they have.
 bool hasPossibleSize(const sensor_msgs::CameraInfo& info) {
-  return info.width == 0 || info.height == 0 || isImageSize(info.width, info.height);
+  return isImageSize(std::max(info.width, 1u), std::max(info.height, 1u));
 }
 
 void setMatrices(const Intrinsics& p, sensor_msgs::CameraInfo* info) {

@@ -29,7 +29,7 @@ const SimulatedRig& stereo() {
 // A session that hears what the simulated cameras would say.
 class Session {
  public:
-  Session() : session_({}, 2, stereo().across) {}
+  explicit Session(const RigOptions& options = {}) : session_(options, 2, stereo().across) {}
 
   RigSession& operator*() { return session_; }
   RigSession* operator->() { return &session_; }
@@ -248,18 +248,61 @@ TEST(RigSession, AnotherUnitLeavesTheVerdictOnTheClocks) {
   EXPECT_NE(estimate.hint.find("stamps"), std::string::npos) << estimate.hint;
 }
 
-TEST(RigSession, ABaselineWhoseCameraWasShiftedIsForgotten) {
+// Along the baseline a shift does not show: whatever was moved, the length may be another one.
+TEST(RigSession, ASavedBaselineIsForgottenWhereACameraWasMoved) {
   RigEstimate before = saved(firstRun());
   setBaseline(0.12, &before);
-  before.rig.rig_from_camera[1].translation += Eigen::Vector3d(0.0, 0.02, 0.0);  // across it
-  Session session;
+  Eigen::Quaterniond& rotation = before.rig.rig_from_camera[1].rotation;
+  rotation = expSo3({0.004, -0.005, 0.003}) * rotation;
+  for (const double alarms : {0.1, 0.0}) {
+    RigOptions options;
+    options.false_alarms_per_hour = alarms;
+    Session session(options);
+    session->restore(before);
+    session.lensesAreKnown();
+    session.see();
+    const RigReport report = session->solve();
+    EXPECT_FALSE(report.estimate.metric) << report.estimate.sentence;
+    EXPECT_NEAR(report.estimate.rig.rig_from_camera[1].translation.norm(), 1.0, 1e-9);
+    ASSERT_EQ(report.mount_changes.size(), alarms > 0.0 ? 1u : 0u) << report.sentence;
+    if (alarms == 0.0) continue;
+    EXPECT_NE(report.mount_changes[0].sentence.find("in metres no longer"), std::string::npos)
+        << report.mount_changes[0].sentence;
+  }
+}
+
+TEST(RigSession, AGivenBaselineIsNotDoubted) {
+  RigEstimate before = saved(firstRun());
+  setBaseline(0.5, &before);
+  Eigen::Quaterniond& rotation = before.rig.rig_from_camera[1].rotation;
+  rotation = expSo3({0.004, -0.005, 0.003}) * rotation;
+  RigOptions options;
+  options.baseline_m = 0.12;
+  Session session(options);
   session->restore(before);
+  EXPECT_NEAR(session->report().estimate.rig.rig_from_camera[1].translation.norm(), 0.12, 1e-9);
   session.lensesAreKnown();
   session.see();
   const RigReport report = session->solve();
   ASSERT_EQ(report.mount_changes.size(), 1u) << report.sentence;
+  EXPECT_EQ(report.mount_changes[0].sentence.find("no longer"), std::string::npos)
+      << report.mount_changes[0].sentence;
+  EXPECT_TRUE(report.estimate.metric);
+  EXPECT_NEAR(report.estimate.rig.rig_from_camera[1].translation.norm(), 0.12, 1e-9);
+}
+
+// Whoever changed the lens may have moved the camera.
+TEST(RigSession, ALensThatChangedBeforeTheFirstComparisonEndsTheSavedBaseline) {
+  RigEstimate before = saved(firstRun());
+  setBaseline(0.12, &before);
+  Session session;
+  session->restore(before);
+  session.lensesAreKnown();
+  session->update(1, knownLens(stereo().truth.cameras[1], 1));
+  session.see();
+  const RigReport report = session->solve();
+  ASSERT_TRUE(report.estimate.evidence) << report.sentence;
   EXPECT_FALSE(report.estimate.metric) << report.estimate.sentence;
-  EXPECT_NEAR(report.estimate.rig.rig_from_camera[1].translation.norm(), 1.0, 1e-9);
 }
 
 TEST(RigSession, ALensThatChangedEndsWhatWasRestored) {

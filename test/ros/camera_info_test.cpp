@@ -137,6 +137,10 @@ TEST(CameraInfo, RefusesImagesLargerThanAnyCamerasAre) {
       EXPECT_FALSE(toCamera(info, CameraModel::kFov)) << model << ' ' << width;
       EXPECT_NE(whyNoStart(info, {}).find("no camera has images of"), std::string::npos);
     }
+    info.width = 0;
+    info.height = 576651263u;
+    EXPECT_FALSE(toCamera(info, CameraModel::kFov)) << model;
+    info.height = 480;
   }
 }
 

@@ -16,6 +16,7 @@
 
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/rig_node/rig_node_options.h"
@@ -270,7 +271,7 @@ TEST(Rig, ACameraThatIsTurnedIsTold) {
   ASSERT_NE(told, nullptr) << run().told(diagnostic_msgs::DiagnosticStatus::WARN);
   EXPECT_NE(told->sentence.find("the rig: Camera right was turned by "), std::string::npos)
       << told->sentence;
-  EXPECT_NEAR(told->onset_stamp.toSec(), 1e-9 * run().cameras[0].stampNs(first), 2.0);
+  EXPECT_NEAR(told->onset_stamp.toSec(), toSeconds(run().cameras[0].stampNs(first)), 2.0);
   EXPECT_NEAR(told->rotation_deg, kTurn / kDegree, 3.0 * told->rotation_sigma_deg + 0.1);
   EXPECT_LT(told->p_value, 1e-3);
   EXPECT_GT(told->epoch, 0u);

@@ -111,8 +111,8 @@ std::string lengthUnit(const RigEstimate& estimate);
 void judgeRig(RigEstimate* estimate);
 
 /// Gives the lengths of a usable estimate another unit: positions, their covariance and the
-/// verdict. Metres by the distance between the first two cameras [m], or else, without it, that
-/// distance. Nothing changes where the second camera's position is not known.
+/// verdict. With the distance between the first two cameras [m] lengths are metres; without it that
+/// distance is 1. Nothing changes where the second camera's position is not known.
 void setBaseline(std::optional<double> baseline_m, RigEstimate* estimate);
 
 /// The place of one camera in words: how it is turned, where it sits, and how well both are known.

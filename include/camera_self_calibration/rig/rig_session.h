@@ -51,8 +51,9 @@ class RigSession {
   /// What was known of the rig when it ran last, to begin with: it holds until a joint solution
   /// takes its place. Where one shows a camera elsewhere, by more than the pixels that CONVERGED
   /// allows and the sigmas of both, the camera was moved meanwhile. What was metric stays so where
-  /// no baseline is given, until one of the first two cameras is found to sit elsewhere. For as
-  /// many cameras and images of the same sizes, before the first joint solution.
+  /// no baseline is given, until any camera is found to have been moved; a lens that changes before
+  /// the first comparison ends it too. For as many cameras and images of the same sizes, before the
+  /// first joint solution.
   void restore(const RigEstimate& before);
 
   /// An image that a camera processed. Counts from when all cameras know their lenses.
@@ -99,6 +100,7 @@ class RigSession {
   std::optional<MountChange> changeSinceSaved(const RigEstimate& estimate, int camera) const;
   void compareWithSaved(const RigEstimate& estimate);
   void remember(const MountChange& change);
+  std::string forgottenBaseline();
   std::string amountOf(const MountChange& change) const;
   std::string textOf(const MountChange& change) const;
   std::string nameOf(int camera) const;
@@ -114,9 +116,9 @@ class RigSession {
   RigCalibrator calibrator_;
   MountWatch watch_;
   std::optional<KnownRig> known_;
-  std::optional<RigEstimate> restored_;  // until a joint solution has taken its place
-  bool compared_ = false;                // with one that did not
-  std::optional<double> baseline_m_;     // given, or as it was restored
+  std::optional<RigEstimate> restored_;     // until a joint solution has taken its place
+  bool compared_ = false;                   // with one that did not
+  std::optional<double> saved_baseline_m_;  // of what was restored, if none is given
   std::string doubt_;     // whether a camera was moved, in words; empty if there is none
   bool certain_ = false;  // of a doubt: something changed, and it is open what
   std::optional<std::int64_t> first_ns_;  // stamp of the first image
