@@ -317,9 +317,9 @@ void RigSession::compareWithSaved(const RigEstimate& estimate) {
 }
 
 void RigSession::take(RigEstimate estimate) {
-  const bool metric = estimate.metric;
   if (restored_ && estimate.usable && doubt_.empty()) compareWithSaved(estimate);
-  if (metric && !options_.baseline_m && !saved_baseline_m_) setBaseline(std::nullopt, &estimate);
+  const bool unit_known = options_.baseline_m || saved_baseline_m_;
+  if (estimate.metric && !unit_known) setBaseline(std::nullopt, &estimate);
   if (!doubt_.empty() && estimate.converged) {
     estimate.converged = false;
     estimate.sentence = withFullStop(estimate.sentence) + " " + asSentence(doubt_);
