@@ -212,7 +212,6 @@ void RigCalibrator::compareClocks(RigEstimate* estimate) const {
   for (int c = 1; c < rig_.size(); ++c) {
     estimate->places[c].time_offset = timeOffset({rotations_[c].begin(), rotations_[c].end()});
   }
-  judgeRig(estimate);
 }
 
 int RigCalibrator::frames() const {
@@ -417,6 +416,7 @@ RigEstimate RigCalibrator::estimate(std::vector<Camera> cameras) {
                   options_.baseline_m, evidence->features, &segments_);
   estimate.evidence = std::move(evidence);
   compareClocks(&estimate);
+  judgeRig(&estimate);
   return estimate;
 }
 

@@ -126,7 +126,6 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
     }
   }
   estimate.inverse_depth = typicalInverseDepth(std::move(inverse_depths));
-  judgeRig(&estimate);
   return estimate;
 }
 

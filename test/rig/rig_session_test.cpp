@@ -38,6 +38,14 @@ class Session {
     for (int c = 0; c < 2; ++c) session_.update(c, knownLens(stereo().truth.cameras[c]));
   }
 
+  // From what was saved, until the first joint solution.
+  RigReport runFrom(const RigEstimate& before) {
+    session_.restore(before);
+    lensesAreKnown();
+    see();
+    return session_.solve();
+  }
+
   // Every image is a keyframe. `later`: by how much the second camera's stamps are.
   void see(std::int64_t later_ns = 0) {
     for (const RigFrame& frame : stereo().frames) {
@@ -163,6 +171,11 @@ RigEstimate saved(const RigReport& report) {
   return estimate;
 }
 
+void turnSecond(RigEstimate* estimate) {
+  Eigen::Quaterniond& rotation = estimate->rig.rig_from_camera[1].rotation;
+  rotation = expSo3({0.004, -0.005, 0.003}) * rotation;
+}
+
 RigReport firstRun() {
   Session session;
   session.lensesAreKnown();
@@ -191,13 +204,9 @@ TEST(RigSession, ARestoredRigHoldsFromTheFirstImageAndIsChecked) {
 
 TEST(RigSession, ACameraThatWasMovedMeanwhileIsFound) {
   RigEstimate before = saved(firstRun());
-  Eigen::Quaterniond& rotation = before.rig.rig_from_camera[1].rotation;
-  rotation = expSo3({0.004, -0.005, 0.003}) * rotation;
+  turnSecond(&before);
   Session session;
-  session->restore(before);
-  session.lensesAreKnown();
-  session.see();
-  const RigReport report = session->solve();
+  const RigReport report = session.runFrom(before);
   ASSERT_EQ(report.mount_changes.size(), 1u) << report.sentence;
   const MountChange& change = report.mount_changes.front();
   EXPECT_NE(change.sentence.find("not where it was when the rig was saved"), std::string::npos);
@@ -212,14 +221,10 @@ TEST(RigSession, ACameraThatWasMovedMeanwhileIsFound) {
 // By less than the sigmas of what was saved.
 TEST(RigSession, ASavedRigThatWasVagueIsNoCameraThatWasMoved) {
   RigEstimate before = saved(firstRun());
-  Eigen::Quaterniond& rotation = before.rig.rig_from_camera[1].rotation;
-  rotation = expSo3({0.004, -0.005, 0.003}) * rotation;
+  turnSecond(&before);
   before.places[1].difference_covariance += 1e-5 * PlaceMatrix::Identity();
   Session session;
-  session->restore(before);
-  session.lensesAreKnown();
-  session.see();
-  EXPECT_TRUE(session->solve().mount_changes.empty());
+  EXPECT_TRUE(session.runFrom(before).mount_changes.empty());
 }
 
 // Sits where it did, and the saved rig says how long a metre is.
@@ -228,10 +233,7 @@ TEST(RigSession, WhatWasMetricStaysMetricWithoutABaseline) {
   ASSERT_FALSE(before.metric);
   setBaseline(0.12, &before);
   Session session;
-  session->restore(before);
-  session.lensesAreKnown();
-  session.see();
-  const RigEstimate estimate = session->solve().estimate;
+  const RigEstimate estimate = session.runFrom(before).estimate;
   EXPECT_TRUE(estimate.evidence) << estimate.sentence;  // solved, not restored
   EXPECT_TRUE(estimate.metric) << estimate.sentence;
   EXPECT_NEAR(estimate.rig.rig_from_camera[1].translation.norm(), 0.12, 1e-9);
@@ -252,16 +254,12 @@ TEST(RigSession, AnotherUnitLeavesTheVerdictOnTheClocks) {
 TEST(RigSession, ASavedBaselineIsForgottenWhereACameraWasMoved) {
   RigEstimate before = saved(firstRun());
   setBaseline(0.12, &before);
-  Eigen::Quaterniond& rotation = before.rig.rig_from_camera[1].rotation;
-  rotation = expSo3({0.004, -0.005, 0.003}) * rotation;
+  turnSecond(&before);
   for (const double alarms : {0.1, 0.0}) {
     RigOptions options;
     options.false_alarms_per_hour = alarms;
     Session session(options);
-    session->restore(before);
-    session.lensesAreKnown();
-    session.see();
-    const RigReport report = session->solve();
+    const RigReport report = session.runFrom(before);
     EXPECT_FALSE(report.estimate.metric) << report.estimate.sentence;
     EXPECT_NEAR(report.estimate.rig.rig_from_camera[1].translation.norm(), 1.0, 1e-9);
     ASSERT_EQ(report.mount_changes.size(), alarms > 0.0 ? 1u : 0u) << report.sentence;
@@ -274,8 +272,7 @@ TEST(RigSession, ASavedBaselineIsForgottenWhereACameraWasMoved) {
 TEST(RigSession, AGivenBaselineIsNotDoubted) {
   RigEstimate before = saved(firstRun());
   setBaseline(0.5, &before);
-  Eigen::Quaterniond& rotation = before.rig.rig_from_camera[1].rotation;
-  rotation = expSo3({0.004, -0.005, 0.003}) * rotation;
+  turnSecond(&before);
   RigOptions options;
   options.baseline_m = 0.12;
   Session session(options);

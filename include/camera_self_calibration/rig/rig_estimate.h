@@ -93,7 +93,7 @@ struct RigLimits {
 };
 RigLimits rigLimits(const Camera& camera);
 
-/// From a covariance in the layout of rigCovariance: unit, sigmas and the words. `other`: the rig
+/// From a covariance in the layout of rigCovariance: all but the verdict (judgeRig). `other`: the rig
 /// under lens models that explain the tracks as well; by how much it differs counts as one sigma,
 /// since noise is often less than what no model describes. With `baseline_m`,
 /// the distance between the first two cameras [m], lengths become metric. `segments` are scaled
