@@ -161,8 +161,10 @@ void explainDoubt(const Evidence& evidence, const LensFitReport& fit, AuditRepor
   }
   // By itself, to three sigma.
   if (report->distance_px + 3.0 * evidence.misfit_px > needed_px) {
-    report->hint = "no motion would help, since " + fit.better + " fits the lens better than " +
-                   fit.model + ": choose that model, or auto";
+    report->hint = "no motion would help, since " +
+                   (fit.better.empty() ? "no lens model fits this lens"
+                                       : fit.better + " fits the lens better than " + fit.model +
+                                             ": choose that model, or auto");
     return;
   }
   const auto information = covarianceFromInformation(evidence.covariance);

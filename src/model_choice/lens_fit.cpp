@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/estimation/robust.h"
+#include "camera_self_calibration/model_choice/free_displacement.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -61,25 +62,40 @@ LensFitReport misfitBeside(const QueueSolution& solution, const LensTrial& riche
   return report;
 }
 
+// What a lens beyond all models says of the present one.
+LensFitReport misfitBeside(const QueueSolution& solution, const FreeDisplacement& free,
+                           const SeenImage& image) {
+  const auto misfit = [&](const ImageField& field) {
+    return beyond(pixelUncertainty(solution.camera, solution.covariance, field),
+                  free.distance(field), free.uncertainty(field));
+  };
+  LensFitReport report;
+  report.misfit = misfit(image.seeing);
+  report.misfit_observed = misfit(image.observed);
+  return report;
+}
+
 }  // namespace
+
+bool LensFitReport::fits() const { return misfit.rms <= 0.0; }
 
 bool LensFitReport::describesImage() const { return undescribed <= kNegligibleRim; }
 
 std::string LensFitReport::sentence() const {
   if (!compared) return "";
-  if (better.empty()) return "no richer lens model fits better than " + model;
+  if (fits()) return "no richer lens model fits better than " + model;
   std::string text = model;
   text += describesImage() ? formatted(" misses the lens by %.1f px rms, %.1f px at worst",
                                        misfit.rms, misfit.max)
                            : formatted(" has no ray for %.0f %% of the image", 100.0 * undescribed);
-  return text + ", but " + better + " fits it";
+  return text + (better.empty() ? ", and no other model describes it" : ", but " + better + " fits it");
 }
 
 std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool verdict_due,
                                                 const std::vector<Candidate>& queue,
                                                 const QueueSolution& solution,
                                                 const SeenImage& image, int threads) {
-  if (keyframes < next_ && !(verdict_due && report_.better.empty())) return std::nullopt;
+  if (keyframes < next_ && !(verdict_due && report_.fits())) return std::nullopt;
   std::vector<std::int64_t> sequences;
   sequences.reserve(queue.size());
   for (const Candidate& candidate : queue) sequences.push_back(candidate.segment.sequence);
@@ -96,6 +112,11 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
     if (knowledge.covariance.size() == 0 || !(p_value <= best)) continue;
     best = p_value;
     report_ = misfitBeside(solution, richer, knowledge.covariance, image);
+  }
+  if (report_.fits()) {
+    const FreeDisplacement free =
+        freeDisplacement(comparison.observations, comparison.present, threads);
+    if (free.p_value <= options_.significance) report_ = misfitBeside(solution, free, image);
   }
   report_.compared = true;
   report_.model = toString(solution.camera.model());

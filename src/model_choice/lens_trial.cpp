@@ -28,17 +28,6 @@ constexpr double kWorthAFit = 0.5;
 // Of the sigmas, that the residuals under another lens can make of them.
 constexpr double kLeastShare = 1e-3;
 
-Problem problemOf(const LensObservations& observations, std::vector<Segment>* segments,
-                  Camera* camera) {
-  Problem problem;
-  problem.camera = camera;
-  for (std::size_t i = 0; i < segments->size(); ++i) {
-    problem.blocks.push_back(freeBlock(&(*segments)[i], *camera));
-    problem.blocks.back().sigma_scale = observations.sigma_scales[i];
-  }
-  return problem;
-}
-
 double costOf(const Problem& problem) {
   double sum = 0.0;
   for (const SegmentBlock& block : problem.blocks) {
@@ -92,6 +81,21 @@ Scatter scatterOf(const Marginal& marginal) {
 
 }  // namespace
 
+Problem problemOf(const LensObservations& observations, std::vector<Segment>* segments,
+                  Camera* camera) {
+  Problem problem;
+  problem.camera = camera;
+  for (std::size_t i = 0; i < segments->size(); ++i) {
+    problem.blocks.push_back(freeBlock(&(*segments)[i], *camera));
+    problem.blocks.back().sigma_scale = observations.sigma_scales[i];
+  }
+  return problem;
+}
+
+Scatter disagreement(const LensObservations& observations, const Scatter& own) {
+  return own.birgeRatio() < observations.scatter.birgeRatio() ? own : observations.scatter;
+}
+
 LensObservations observationsOf(const std::vector<Candidate>& queue, const Scatter& scatter) {
   LensObservations observations;
   for (const Candidate& candidate : queue) {
@@ -136,19 +140,12 @@ LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial&
     marginal = marginalize(problem, SolverOptions().huber, threads);
   }
   const double scale = share * marginal.sigmaScale();
-  const Scatter own = scatterOf(marginal);
-  const Scatter& scatter =
-      own.birgeRatio() < observations.scatter.birgeRatio() ? own : observations.scatter;
-  const double disagreement = scatter.birgeRatio() * scatter.birgeRatio();
+  const Scatter scatter = disagreement(observations, scatterOf(marginal));
   LensKnowledge knowledge;
-  knowledge.variance = disagreement * scale * scale;
-  if (scatter.birgeFreedom() > 0) {
-    const Scatter moderated = scatter.moderated();
-    knowledge.freedom = moderated.freedom;
-    knowledge.variance = moderated.chi_square / moderated.freedom * scale * scale;
-  }
+  knowledge.variance = scatter.variance();
+  knowledge.variance.factor *= scale * scale;
   if (const auto covariance = marginal.robustCovariance()) {
-    knowledge.covariance = disagreement * *covariance;
+    knowledge.covariance = scatter.birgeRatio() * scatter.birgeRatio() * *covariance;
   }
   return knowledge;
 }
@@ -171,11 +168,9 @@ std::optional<Camera> likewise(const Camera& camera, CameraModel model, bool wit
 
 double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensKnowledge& known) {
   if (!behind.usable) return ahead.usable ? 0.0 : 1.0;
-  const double ratio = 2.0 * (behind.cost - ahead.cost) / known.variance;
-  if (!(ratio > 0.0)) return 1.0;
-  const int freedom = degreesOfFreedom(behind.camera, ahead.camera);
-  return known.freedom > 0 ? fExceedance(ratio / freedom, freedom, known.freedom)
-                           : chiSquareExceedance(ratio, freedom);
+  const double lead = behind.cost - ahead.cost;
+  if (!(lead > 0.0)) return 1.0;
+  return known.variance.exceedance(2.0 * lead, degreesOfFreedom(behind.camera, ahead.camera));
 }
 
 std::int64_t nextComparison(std::int64_t keyframes) {

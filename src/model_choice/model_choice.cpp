@@ -162,7 +162,7 @@ std::optional<LensTrial> ModelChoice::choose(const LensComparison& comparison,
   } else {
     other = simplerThan(present, known, options_, refuted_, &trials);
   }
-  evidence_ = trials.evidence(other ? other->name() : present.name(), known.variance);
+  evidence_ = trials.evidence(other ? other->name() : present.name(), known.variance.factor);
   return other;
 }
 

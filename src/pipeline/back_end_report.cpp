@@ -56,8 +56,9 @@ HealthVerdict verdictOn(const BackEndState& state, double converged_rms) {
   if (by_queue) evidence.blind_below_px = state.known.cross_validation.blindBelowPx();
   evidence.epoch = state.counters.epoch;
   evidence.obstacle = state.obstacle;
-  // What the user can do about it; where the model is chosen it follows by itself.
-  if (fit.misfit.rms > state.known.noise.rms && !state.chooses_model) {
+  // Where the model is chosen, a better one follows by itself.
+  if (fit.better.empty() || !state.chooses_model) {
+    evidence.model_misses = fit.misfit.rms > state.known.noise.rms;
     evidence.better_model = fit.better;
   }
   const bool was_converged = state.health.state == CalibrationState::kConverged;
@@ -73,8 +74,7 @@ CalibrationReport reportOf(const BackEndState& state) {
   report.camera = state.known.camera;
   report.covariance = state.known.covariance;
   if (queueLeads(state.phase)) {
-    const Scatter& scatter = state.queue.solution().scatter;
-    if (scatter.birgeFreedom() > 0) report.scatter_freedom = scatter.moderated().freedom;
+    report.scatter_freedom = state.queue.solution().scatter.variance().freedom;
   }
   report.uncertainty = state.uncertainty();
   report.entropy = entropy(state.known.camera, state.known.covariance);

@@ -81,6 +81,13 @@ std::string settable(const std::string& model) {
   return cameraModelFromString(model) ? model : "auto";
 }
 
+// What to do about a model that misses the lens.
+std::string adviceOn(const std::string& better_model) {
+  if (!better_model.empty()) return "set the parameter model to " + settable(better_model);
+  return "accept the error with converged_pixel_rms, or calibrate this lens with a model of more "
+         "parameters; no motion helps";
+}
+
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
   std::string sentence = evidence.epoch > 0 ? "the lens changed and is being calibrated anew"
                                             : "the calibration has started from a guess";
@@ -107,11 +114,12 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
     return {CalibrationState::kConverged,
             "the calibration is " + goodTo(evidence) + limitToLeave(evidence), ""};
   }
-  if (evidence.handed_over && !evidence.better_model.empty()) {
+  if (evidence.handed_over && evidence.model_misses) {
     return {CalibrationState::kConverging,
             "the calibration is only " + goodTo(evidence) + limit(evidence) +
-                ", because the lens model does not fit the lens",
-            "set the parameter model to " + settable(evidence.better_model)};
+                (evidence.better_model.empty() ? ", because no lens model fits the lens"
+                                               : ", because the lens model does not fit the lens"),
+            adviceOn(evidence.better_model)};
   }
   const WeakDirection weak = weakest(evidence, camera);
   if (evidence.handed_over && rms <= allowed) {

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/marginal.h"
@@ -183,12 +182,8 @@ Camera withEstimated(const Camera& camera, const Intrinsics& values) {
 double pValue(double statistic, const Reference& reference) {
   const int count = reference.camera.estimatedCount();
   const Scatter& scatter = reference.scatter;
-  if (scatter.birgeFreedom() == 0) return chiSquareExceedance(statistic, count);
-  const Scatter moderated = scatter.moderated();
-  const double variance = moderated.chi_square / moderated.freedom;
-  const double ratio =
-      squared(scatter.birgeRatio()) / variance;  // statistic is in sigmas times the Birge ratio
-  return fExceedance(ratio * statistic / count, count, moderated.freedom);
+  // The statistic is in sigmas times the Birge ratio.
+  return scatter.variance().exceedance(squared(scatter.birgeRatio()) * statistic, count);
 }
 
 }  // namespace camera_self_calibration

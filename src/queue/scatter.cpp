@@ -23,4 +23,16 @@ int Scatter::birgeFreedom() const {
   return freedom > 0 && chiSquareExceedance(chi_square, freedom) < kByChance ? freedom : 0;
 }
 
+ScatterVariance Scatter::variance() const {
+  if (birgeFreedom() == 0) return {birgeRatio() * birgeRatio(), 0};
+  const Scatter more = moderated();
+  return {more.chi_square / more.freedom, more.freedom};
+}
+
+double ScatterVariance::exceedance(double chi_square, double degrees_of_freedom) const {
+  const double ratio = chi_square / factor;
+  return freedom > 0 ? fExceedance(ratio / degrees_of_freedom, degrees_of_freedom, freedom)
+                     : chiSquareExceedance(ratio, degrees_of_freedom);
+}
+
 }  // namespace camera_self_calibration

@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/camera/pixel_grid.h"
+#include "camera_self_calibration/camera/rotation_compensation.h"
+#include "model_choice/displaced_segments.h"
 #include "model_choice/model_queues.h"
 
 namespace camera_self_calibration {
@@ -54,6 +58,28 @@ TEST(LensFit, FindsAWideLensThatRadtanCannotDescribe) {
   const LensFitReport report = fitOf(queueOf(kWide, CameraModel::kRadtan, 4));
   EXPECT_EQ(report.better, "equidistant") << report.sentence();
   EXPECT_GT(report.misfit.rms, 1.0);
+}
+
+// Decentring of a higher order than p1 and p2.
+TEST(LensFit, FindsALensThatNoModelDescribes) {
+  const Displace decentred = [](const Eigen::Vector2d& pixel) {
+    const Eigen::Vector2d x = (pixel - Eigen::Vector2d(320, 240)) / 320.0;
+    const Eigen::Vector2d p(2.0, -1.5);
+    const double r2 = x.squaredNorm();
+    return Eigen::Vector2d(pixel + r2 * (r2 * p + 2.0 * x.dot(p) * x));
+  };
+  const SegmentQueue queue = solvedQueue(displacedSegments(kRadtan, decentred, 6), kRadtan);
+  const LensFitReport report = fitOf(queue);
+  EXPECT_FALSE(report.fits());
+  EXPECT_EQ(report.better, "");
+  const Camera& camera = queue.solution().camera;
+  std::vector<PixelRay> rays = pixelGrid(kRadtan);
+  for (PixelRay& ray : rays) ray.pixel = decentred(ray.pixel);
+  const double error = bestRotation(rays, camera).error.rms;
+  const PixelError noise = pixelUncertainty(camera, queue.solution().covariance);
+  EXPECT_LT(error, 3.0 * noise.inQuadrature(report.misfit).rms);
+  EXPECT_NE(report.sentence().find("no other model describes it"), std::string::npos)
+      << report.sentence();
 }
 
 TEST(LensFit, SaysWhereTheImageHasNoRays) {

@@ -91,6 +91,7 @@ TEST(Health, LeavesConvergedWhenItIsClearlyNoLongerGood) {
 
 TEST(Health, IsNotConvergedUnderAModelThatDoesNotFit) {
   HealthEvidence misfit = evidence(20, true, 1.6);
+  misfit.model_misses = true;
   misfit.better_model = "radtan";
   for (const bool was_converged : {false, true}) {
     const HealthVerdict verdict = judgeHealth(misfit, kCamera, was_converged);
@@ -102,6 +103,15 @@ TEST(Health, IsNotConvergedUnderAModelThatDoesNotFit) {
   EXPECT_NE(judgeHealth(misfit, kCamera, false).hint.find("auto"), std::string::npos);
   misfit.uncertainty = {0.9, 1.8};  // the misfit matters no more than the limit allows
   EXPECT_EQ(judgeHealth(misfit, kCamera, false).state, CalibrationState::kConverged);
+}
+
+TEST(Health, SaysThatNoModelFitsTheLens) {
+  HealthEvidence misfit = evidence(20, true, 1.6);
+  misfit.model_misses = true;
+  const HealthVerdict verdict = judgeHealth(misfit, kCamera, false);
+  EXPECT_EQ(verdict.state, CalibrationState::kConverging);
+  EXPECT_NE(verdict.sentence.find("no lens model fits the lens"), std::string::npos);
+  EXPECT_NE(verdict.hint.find("converged_pixel_rms"), std::string::npos) << verdict.hint;
 }
 
 TEST(Health, NamesWhatMotionDoesNotTell) {

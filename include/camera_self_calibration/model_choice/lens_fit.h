@@ -22,8 +22,8 @@ constexpr double kNegligibleRim = 0.05;
 struct LensFitReport {
   bool compared = false;  ///< Else nothing is known yet.
   std::string model;      ///< The one in use.
-  std::string better;     ///< Describes the lens where `model` misses it; empty: `model` does.
-  /// What the better model adds to the expected error of the lens in use, a rotation of the camera
+  std::string better;     ///< Describes the lens where `model` misses it; empty: none does better.
+  /// What the better lens adds to the expected error of the lens in use, a rotation of the camera
   /// removed, over the image [px]: distance^2 between the two + uncertainty^2 of the better one -
   /// uncertainty^2 of the lens in use, which no longer holds. Pixels without a ray, unless they are
   /// a negligible rim, count like observations that cannot be predicted
@@ -33,6 +33,8 @@ struct LensFitReport {
   /// Share of the image that has rays under the better model and none under the one in use.
   double undescribed = 0.0;
 
+  /// Whether nothing is known against `model`.
+  bool fits() const;
   /// Whether `model` has rays for the image but for a negligible rim.
   bool describesImage() const;
   /// In words; empty before the first comparison.
@@ -52,8 +54,9 @@ struct LensFitOptions {
 };
 
 /// Holds the model in use against richer lenses (compareWithRicher), which are published nowhere,
-/// on the queue's segments. Compares at geometric intervals of keyframes (at most 100), and only
-/// when the queue has changed, so that the effort per keyframe stays bounded.
+/// on the queue's segments; and where none of them does better, against a lens that no model
+/// describes (freeDisplacement). Compares at geometric intervals of keyframes (at most 100), and
+/// only when the queue has changed, so that the effort per keyframe stays bounded.
 class LensFit {
  public:
   explicit LensFit(const LensFitOptions& options) : options_(options) {}

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/problem.h"
 #include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/queue/candidate_window.h"
 #include "camera_self_calibration/queue/scatter.h"
@@ -34,17 +35,23 @@ struct LensTrial {
   std::string name() const;
 };
 
+/// All of the observations, as one problem of the lens, with its poses and depths.
+Problem problemOf(const LensObservations& observations, std::vector<Segment>* segments,
+                  Camera* camera);
+
+/// How far the segments disagree: what they do under a lens that may be richer than the one in use
+/// (`own`) counts where it is less, since under a lens that is wrong they disagree for that alone.
+Scatter disagreement(const LensObservations& observations, const Scatter& own);
+
 /// Fits lens, poses and depths, starting from `start` and the segments' states.
 LensTrial tryLens(const LensObservations& observations, const Camera& start, int threads);
 
 /// How well a fitted lens is known.
 struct LensKnowledge {
-  /// Factor by which differences of costs are too large, or, below 1, too small: what the residuals
-  /// under this lens make of the sigmas, correlation along tracks (Marginal::designEffect), and how
-  /// far the segments disagree. Under a lens that is wrong they disagree for that alone, so that
-  /// the smaller of what this one and the one in use make of it counts.
-  double variance = 1.0;
-  int freedom = 0;              ///< Degrees of freedom of the disagreement; 0: there is none.
+  /// By how much differences of costs are too large, or, below 1, too small: what the residuals
+  /// under this lens make of the sigmas, correlation along tracks (Marginal::designEffect), and the
+  /// segments' disagreement.
+  ScatterVariance variance;
   IntrinsicsMatrix covariance;  ///< Honest in the same way; empty where it is singular.
 };
 LensKnowledge knowledgeOf(const LensObservations& observations, const LensTrial& trial,

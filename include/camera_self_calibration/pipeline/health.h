@@ -31,8 +31,9 @@ struct HealthEvidence {
   double blind_below_px = 0.0;   ///< CrossValidation::blindBelowPx.
   std::uint64_t epoch = 0;       ///< How often the lens changed so far.
   std::string obstacle;          ///< Why there was no hand-over yet, in words; may be empty.
-  /// Describes the lens where the model in use misses it by more than its noise; may be empty.
-  std::string better_model;
+  /// The model in use misses the lens by more than its noise, and no other takes over by itself.
+  bool model_misses = false;
+  std::string better_model;  ///< Describes the lens then; empty: none does.
 };
 
 /// State of the calibration with one plain sentence and the motion that would help.

@@ -6,6 +6,16 @@ namespace camera_self_calibration {
 /// camera, or one of them sits in a wrong minimum.
 constexpr double kMaxBirgeRatio = 5.0;
 
+/// A variance that differences are held against, in units of what their sigmas say.
+struct ScatterVariance {
+  double factor = 1.0;
+  int freedom = 0;  ///< Degrees of freedom that it was estimated from; 0: it is known.
+
+  /// Probability that chance exceeds `chi_square`, a sum of squares in sigmas, of so many degrees
+  /// of freedom: an F test where the variance was estimated.
+  double exceedance(double chi_square, double degrees_of_freedom) const;
+};
+
 /// How far estimates of the same quantities are apart, each with its own uncertainty.
 struct Scatter {
   double chi_square = 0.0;  ///< Sum of squares, in their own sigmas, around their best compromise.
@@ -25,6 +35,9 @@ struct Scatter {
   /// Degrees of freedom from which birgeRatio() is known; 0 where so much happens by chance: the
   /// sigmas are right, and birgeRatio() is no estimate of a variance.
   int birgeFreedom() const;
+
+  /// For tests against the sigmas.
+  ScatterVariance variance() const;
 };
 
 }  // namespace camera_self_calibration

@@ -1,0 +1,219 @@
+#include "camera_self_calibration/model_choice/free_displacement.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "camera_self_calibration/camera/pixel_grid.h"
+#include "camera_self_calibration/estimation/pseudo_inverse.h"
+#include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/model_choice/displacement_basis.h"
+#include "camera_self_calibration/model_choice/displacement_marginal.h"
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr int kCoefficients = DisplacementBasis::kCount;
+// [px^-2] The test asks for displacements of a pixel, so that directions in which not even these
+// would show do not dilute it.
+constexpr double kSoughtWeight = 1.0;
+// Of the estimated variance of the coefficients.
+constexpr double kVarianceSettled = 0.01;
+constexpr int kMaxVarianceSteps = 200;
+
+// What the observations say of the coefficients with the intrinsics eliminated, along axes in which
+// these are independent.
+struct Coefficients {
+  Eigen::MatrixXd axes;         // orthonormal columns
+  Eigen::VectorXd information;  // along each [px^-2]
+  Eigen::VectorXd gradient;
+  Eigen::MatrixXd track_scores;
+};
+
+// How the intrinsics follow.
+struct Following {
+  Eigen::MatrixXd covariance;  // with the coefficients held
+  Eigen::VectorXd step;        // at coefficients of zero
+  Eigen::MatrixXd slope;       // n_c per coefficient
+};
+
+Following followingOf(const DisplacementMarginal& marginal, int n) {
+  const Eigen::MatrixXd& all = marginal.sum.information;
+  const Eigen::VectorXd scale = all.diagonal().head(n).unaryExpr(&inverseRoot);
+  const Eigen::MatrixXd unit = scale.asDiagonal() * all.topLeftCorner(n, n) * scale.asDiagonal();
+  Following following;
+  following.covariance =
+      scale.asDiagonal() * unit.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * scale.asDiagonal();
+  following.step = following.covariance * marginal.sum.gradient.head(n);
+  following.slope = -following.covariance * all.topRightCorner(n, kCoefficients);
+  return following;
+}
+
+Coefficients coefficientsOf(const DisplacementMarginal& marginal, const Following& following) {
+  const Eigen::Index n = following.step.size();
+  Eigen::MatrixXd map(n + kCoefficients, kCoefficients);
+  map << following.slope, Eigen::MatrixXd::Identity(kCoefficients, kCoefficients);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(map.transpose() *
+                                                             marginal.sum.information * map);
+  Coefficients coefficients;
+  coefficients.axes = eigen.eigenvectors();
+  coefficients.information = eigen.eigenvalues().cwiseMax(0.0);
+  const Eigen::MatrixXd along = map * coefficients.axes;
+  coefficients.gradient = along.transpose() * marginal.sum.gradient;
+  coefficients.track_scores = along.transpose() * marginal.track_scores * along;
+  return coefficients;
+}
+
+// The squared step towards the displacement that is sought, in sigmas, and what chance makes of it.
+struct SoughtSquare {
+  double value = 0.0;
+  double expected = 0.0;       // where residuals are independent
+  double design_effect = 1.0;  // factor from what is correlated along tracks
+  double freedom = 0.0;  // of the chi-square of the same mean and variance (Satterthwaite 1946)
+};
+
+SoughtSquare soughtSquare(const Coefficients& coefficients) {
+  const Eigen::VectorXd root = (coefficients.information.array() + kSoughtWeight).rsqrt();
+  SoughtSquare square;
+  square.value = root.cwiseProduct(coefficients.gradient).squaredNorm();
+  square.expected = root.cwiseAbs2().dot(coefficients.information);
+  const Eigen::MatrixXd scores = root.asDiagonal() * coefficients.track_scores * root.asDiagonal();
+  const double correlated = scores.trace();
+  square.design_effect = std::max(1.0, correlated / square.expected);
+  square.freedom = correlated * correlated / scores.squaredNorm();
+  return square;
+}
+
+// How far the segments disagree under their joint lens with its displacement.
+Scatter scatterOf(const DisplacementMarginal& marginal) {
+  Eigen::MatrixXd prior =
+      Eigen::MatrixXd::Zero(marginal.sum.gradient.size(), marginal.sum.gradient.size());
+  prior.diagonal().tail(kCoefficients).setConstant(kSoughtWeight);
+  const Eigen::LDLT<Eigen::MatrixXd> all(marginal.sum.information + prior);
+  const Eigen::VectorXd joint = all.solve(marginal.sum.gradient);
+  double freedom = -all.solve(marginal.sum.information).trace();
+  Scatter scatter;
+  for (const DisplacementMarginal::System& share : marginal.shares) {
+    const Eigen::LDLT<Eigen::MatrixXd> own(share.information + prior);
+    const Eigen::VectorXd gradient = share.gradient - share.information * joint;
+    scatter.chi_square += gradient.dot(own.solve(gradient));
+    freedom += own.solve(share.information).trace();
+  }
+  scatter.freedom = static_cast<int>(std::lround(freedom));
+  return scatter.freedom > 0 ? scatter : Scatter();
+}
+
+// Variance of the coefficients under which the gradients are likeliest (expectation maximisation),
+// where their own is `variance` times the information [px^2].
+double varianceOf(const Coefficients& coefficients, double variance) {
+  double prior = 1.0;
+  for (int i = 0; i < kMaxVarianceSteps; ++i) {
+    const Eigen::ArrayXd share = prior / (variance + prior * coefficients.information.array());
+    const double next =
+        ((share * coefficients.gradient.array()).square() + variance * share).mean();
+    const bool settled = std::abs(next - prior) < kVarianceSettled * prior;
+    prior = next;
+    if (settled) break;
+  }
+  return prior;
+}
+
+// The change and its covariance, where the variance of the observations is `noise` times what their
+// sigmas say.
+void setEstimate(const Coefficients& coefficients, const Following& following, double noise,
+                 FreeDisplacement* free) {
+  const double prior = varianceOf(coefficients, noise);
+  const Eigen::ArrayXd share = prior / (noise + prior * coefficients.information.array());
+  const Eigen::VectorXd best = coefficients.axes * (share * coefficients.gradient.array()).matrix();
+  const Eigen::MatrixXd known =
+      coefficients.axes * (noise * share).matrix().asDiagonal() * coefficients.axes.transpose();
+  const Eigen::MatrixXd cross = following.slope * known;
+  const Eigen::Index unknowns = following.step.size() + kCoefficients;
+  free->change.resize(unknowns);
+  free->change << following.step + following.slope * best, best;
+  free->covariance.resize(unknowns, unknowns);
+  free->covariance << noise * following.covariance + cross * following.slope.transpose(), cross,
+      cross.transpose(), known;
+}
+
+// The displacement of one pixel by each unknown, what a rotation of the camera absorbs removed.
+using PixelChange = Eigen::Matrix<double, 2, Eigen::Dynamic>;
+
+std::vector<PixelChange> compensatedChanges(const Camera& camera, const ImageField& field) {
+  const DisplacementBasis basis(camera.width(), camera.height());
+  const int n = camera.estimatedCount();
+  std::vector<PixelChange> changes;
+  std::vector<Matrix23d> rotations;
+  Eigen::Matrix3d btb = Eigen::Matrix3d::Zero();
+  Eigen::MatrixXd bta = Eigen::MatrixXd::Zero(3, n + kCoefficients);
+  for (const PixelRay& point : pixelGrid(camera, field)) {
+    Eigen::Vector2d pixel;
+    Matrix23d d_ray;
+    PixelIntrinsicsJacobian d_parameters;
+    if (!camera.project(point.ray, &pixel, &d_ray, &d_parameters)) continue;
+    changes.emplace_back(2, n + kCoefficients);
+    changes.back() << d_parameters.leftCols(n), basis.at(point.pixel);
+    rotations.emplace_back(-d_ray * skew(point.ray));
+    btb += rotations.back().transpose() * rotations.back();
+    bta += rotations.back().transpose() * changes.back();
+  }
+  const Eigen::MatrixXd absorbed = btb.ldlt().solve(bta);
+  for (std::size_t i = 0; i < changes.size(); ++i) changes[i] -= rotations[i] * absorbed;
+  return changes;
+}
+
+template <typename Square>
+PixelError errorOver(const std::vector<PixelChange>& changes, const Square& square) {
+  if (changes.empty()) return PixelError::unknown();
+  PixelError error;
+  double sum = 0.0;
+  for (const PixelChange& change : changes) {
+    const double squared = std::max(0.0, square(change));
+    sum += squared;
+    error.max = std::max(error.max, std::sqrt(squared));
+  }
+  error.rms = std::sqrt(sum / static_cast<double>(changes.size()));
+  return error;
+}
+
+}  // namespace
+
+PixelError FreeDisplacement::distance(const ImageField& field) const {
+  return errorOver(compensatedChanges(camera, field),
+                   [this](const PixelChange& by) { return (by * change).squaredNorm(); });
+}
+
+PixelError FreeDisplacement::uncertainty(const ImageField& field) const {
+  return errorOver(compensatedChanges(camera, field), [this](const PixelChange& by) {
+    return (by * covariance).cwiseProduct(by).sum();
+  });
+}
+
+FreeDisplacement freeDisplacement(const LensObservations& observations, const LensTrial& trial,
+                                  int threads) {
+  std::vector<Segment> segments = trial.segments;
+  Camera camera = trial.camera;
+  const DisplacementMarginal marginal = displacementMarginal(
+      problemOf(observations, &segments, &camera), SolverOptions().huber, threads);
+  FreeDisplacement free;
+  free.camera = camera;
+  const Following following = followingOf(marginal, camera.estimatedCount());
+  const Coefficients coefficients = coefficientsOf(marginal, following);
+  const SoughtSquare square = soughtSquare(coefficients);
+
+  const Scatter scatter = disagreement(observations, scatterOf(marginal));
+  const double scale = std::max(marginal.residualVariance(), square.design_effect);
+  ScatterVariance variance = scatter.variance();
+  variance.factor *= scale;
+  free.p_value =
+      variance.exceedance(square.value / square.expected * square.freedom, square.freedom);
+
+  const double noise = scatter.birgeRatio() * scatter.birgeRatio() * scale;
+  setEstimate(coefficients, following, noise, &free);
+  return free;
+}
+
+}  // namespace camera_self_calibration
