@@ -12,14 +12,18 @@ namespace {
 constexpr int kPanelColumns = 24;  // of landmarks that are eliminated together
 
 // Lower Cholesky factor of a landmark's damped block, with the reciprocals of the pivots on its
-// diagonal; a direction without information has a zero there, and so does not move.
-Eigen::Matrix3d landmarkCholesky(const Eigen::Matrix3d& hessian, int dimension, double damping) {
+// diagonal; a direction without information has a zero there, and so does not move: a bearing that
+// the depth explains, or a depth whose parallax is rounding, whatever the map's unit. `unit`: of
+// inverse depths, squared.
+Eigen::Matrix3d landmarkCholesky(const Eigen::Matrix3d& hessian, int dimension, double unit,
+                                 double damping) {
   Eigen::Matrix3d factor = Eigen::Matrix3d::Zero();
-  const double largest = hessian.diagonal().maxCoeff();
+  const double bearing = dimension > 1 ? hessian.diagonal().tail<2>().maxCoeff() : 0.0;
   for (int j = 0; j < dimension; ++j) {
     double pivot = hessian(j, j) * (1.0 + damping);
     for (int k = 0; k < j; ++k) pivot -= factor(j, k) * factor(j, k);
-    if (!(pivot > 1e-13 * hessian(j, j) && pivot > 1e-24 * largest)) continue;
+    if (!(pivot > 1e-13 * hessian(j, j))) continue;
+    if (j == 0 && !(unit * pivot > 1e-24 * bearing)) continue;
     factor(j, j) = 1.0 / std::sqrt(pivot);
     for (int i = j + 1; i < dimension; ++i) {
       double value = hessian(i, j);
@@ -64,7 +68,8 @@ void LinearSegment::eliminateLandmarks(double damping) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto l = static_cast<std::size_t>(order[i]);
       const int dimension = structure_.landmarks[l].dimension;
-      landmark_cholesky_[l] = landmarkCholesky(landmark_hessian_[l], dimension, damping);
+      landmark_cholesky_[l] =
+          landmarkCholesky(landmark_hessian_[l], dimension, squared_unit_, damping);
       if (dimension == 1) {
         whiten<kTail, 1>(l, first, poses, columns);
       } else {

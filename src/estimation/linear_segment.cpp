@@ -6,6 +6,7 @@
 
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/map/inverse_depth.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -53,6 +54,8 @@ void LinearSegment::linearize(const SegmentBlock& block, const Camera& camera, i
 
 void LinearSegment::relinearize(const SegmentBlock& block, const Camera& camera, double huber) {
   clearSums();
+  const double unit = typicalInverseDepth(inverseDepths(*block.segment));
+  squared_unit_ = unit * unit;
   prepareFactors(*block.segment, camera);
   if (tail_ == 2) addObservations<2>(block, camera, huber);
   if (tail_ == 6) addObservations<6>(block, camera, huber);

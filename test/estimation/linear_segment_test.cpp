@@ -230,6 +230,24 @@ TEST(LinearSegment, SegmentsAddInTheMarginal) {
   EXPECT_EQ(both.variables, one.variables + two.variables - camera.estimatedCount());
 }
 
+// The map's unit is anybody's choice, and runs away where the camera turns on the spot.
+TEST(LinearSegment, TheUnitOfTheMapDoesNotMatter) {
+  Camera camera = ordinaryCameras()[2];
+  const SimulatedSegment made = smallSegment(camera, LandmarkOrigin::kMixed, 0.3, 7);
+  const auto marginalIn = [&](double unit) {
+    Segment segment = made.segment;
+    for (Keyframe& keyframe : segment.keyframes) keyframe.world_from_camera.translation /= unit;
+    for (Landmark& landmark : segment.landmarks) landmark.inverse_depth *= unit;
+    return marginalize({&camera, true, {{&segment, 1, 0, 1.0}}}, kHuber);
+  };
+  const Marginal metric = marginalIn(1.0);
+  for (const double unit : {1e-30, 1e-15, 1e-9, 1e9, 1e15, 1e30}) {
+    const Marginal other = marginalIn(unit);
+    EXPECT_TRUE(other.information.isApprox(metric.information, 1e-6)) << unit;
+    EXPECT_TRUE(other.track_scores.isApprox(metric.track_scores, 1e-6)) << unit;
+  }
+}
+
 TEST(LinearSegment, PointsThatCannotBePredictedCostAndDoNotPull) {
   const Camera camera = ordinaryCameras()[0];
   SimulatedSegment made = smallSegment(camera, LandmarkOrigin::kAnchored, 0.0, 4);

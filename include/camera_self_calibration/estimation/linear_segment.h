@@ -156,6 +156,7 @@ class LinearSegment {
   int tail_ = 2;  // intrinsics, zeros, right-hand side
   bool for_marginal_ = false;
   double cost_ = 0.0;
+  double squared_unit_ = 1.0;  // of the typical inverse depth
   SegmentStructure structure_;
   Transfers transfers_;
   std::vector<PairFactors> pair_factors_;
