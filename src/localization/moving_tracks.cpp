@@ -14,6 +14,7 @@ namespace {
 constexpr std::size_t kMinKnown = 15;
 constexpr double kMedianNorm = 1.1774;  // of two standard normal coordinates
 constexpr int kDepthSteps = 6;
+constexpr double kParallaxStep = 1e-6;  // [rad] of numeric derivatives, in any unit of the map
 
 // Eq. (1); false where the point cannot be seen.
 bool predict(const Camera& camera, const Rigid3& world_from_camera, const PointView& view,
@@ -34,10 +35,10 @@ double residualPx(const Camera& camera, const Rigid3& pose, const PointView& vie
 
 // The least residual over all depths in front of the reference, by Gauss-Newton from the guess.
 double residualAtAnyDepthPx(const Camera& camera, const Rigid3& pose, const PointView& view) {
+  const double delta = kParallaxStep / (view.origin - pose.translation).norm();
   double depth = view.inverse_depth;
   double least = std::min(residualPx(camera, pose, view, depth), residualPx(camera, pose, view, 0));
   for (int i = 0; i < kDepthSteps; ++i) {
-    const double delta = 1e-4 * std::max(std::abs(depth), 1e-3);
     Eigen::Vector2d pixel;
     Eigen::Vector2d beside;
     if (!predict(camera, pose, view, depth, &pixel) ||
@@ -45,7 +46,7 @@ double residualAtAnyDepthPx(const Camera& camera, const Rigid3& pose, const Poin
       break;
     }
     const Eigen::Vector2d slope = (beside - pixel) / delta;
-    if (!(slope.squaredNorm() > 0.0)) break;
+    if (!(slope.squaredNorm() > 0.0) || !slope.allFinite()) break;
     depth = std::max(0.0, depth + slope.dot(view.pixel - pixel) / slope.squaredNorm());
     least = std::min(least, residualPx(camera, pose, view, depth));
   }

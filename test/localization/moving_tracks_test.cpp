@@ -50,6 +50,16 @@ TEST(MovingTracks, AreThoseThatNoDepthExplains) {
   }
 }
 
+TEST(MovingTracks, AreTheSameInAnyUnitOfTheMap) {
+  const auto moving = movingTracks(kCamera, kPose, scene(false), kMinPx);
+  for (const double unit : {1e-12, 1e12}) {
+    std::vector<TrackedPoint> points = scene(false);
+    for (TrackedPoint& point : points) point.view.inverse_depth *= unit;
+    const Rigid3 pose(kPose.rotation, kPose.translation / unit);
+    EXPECT_EQ(movingTracks(kCamera, pose, points, kMinPx), moving) << unit;
+  }
+}
+
 // A lens that changed moves all points: none stands out.
 TEST(MovingTracks, AreNotAllOfThem) {
   Intrinsics parameters = kCamera.parameters();
