@@ -160,11 +160,12 @@ void explainDoubt(const Evidence& evidence, const LensFitReport& fit, AuditRepor
     report->reason = "the distance is too close to the tolerance";
   }
   // By itself, to three sigma.
-  if (report->distance_px + 3.0 * evidence.misfit_px > needed_px) {
-    report->hint = "no motion would help, since " +
-                   (fit.better.empty() ? "no lens model fits this lens"
-                                       : fit.better + " fits the lens better than " + fit.model +
-                                             ": choose that model, or auto");
+  if (evidence.misfit_px > 0.0 && report->distance_px + 3.0 * evidence.misfit_px > needed_px) {
+    report->hint =
+        "no motion would help, since " +
+        (fit.better.empty() ? fit.model + " misses the lens and no other model was found to fit"
+                            : fit.better + " fits the lens better than " + fit.model +
+                                  ": choose that model, or auto");
     return;
   }
   const auto information = covarianceFromInformation(evidence.covariance);

@@ -14,6 +14,7 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr int kPose = 6;
+constexpr double kLeastPivot = 1e-13;  // of a landmark: below, its other variables explain this one
 
 // d ray / d pixel: the change of a unit ray that moves its pixel so, and stays of unit length.
 bool rayOfPixel(const Camera& camera, const Eigen::Vector3d& ray, Matrix32d* d_pixel) {
@@ -35,7 +36,8 @@ class BlockLinearization {
         basis_(camera.width(), camera.height()),
         intrinsics_(camera.estimatedCount()),
         shared_(intrinsics_ + DisplacementBasis::kCount),
-        poses_(kPose * (static_cast<int>(segment_.keyframes.size()) - block.fixed_keyframes)) {
+        poses_(kPose *
+               std::max(0, static_cast<int>(segment_.keyframes.size()) - block.fixed_keyframes)) {
     for (const Keyframe& keyframe : segment_.keyframes) {
       matrices_.emplace_back(keyframe.world_from_camera);
     }
@@ -141,7 +143,7 @@ bool BlockLinearization::linearize(const Observation& observation, Eigen::Index 
   auto displaced = rows.middleCols(shared + intrinsics_, DisplacementBasis::kCount);
   if (!segment_.isEarlier(observation.keyframe)) {
     rows.middleCols(shared, intrinsics_) = scale * j.intrinsics.leftCols(intrinsics_);
-    displaced = scale * basis_.at(prediction);
+    displaced = scale * basis_.at(observation.pixel);
   }
   if (landmark_->anchored && !segment_.isEarlier(landmark_->reference)) {
     rows.middleCols(shared, intrinsics_) += scale * j.ray * d_ray_.leftCols(intrinsics_);
@@ -155,9 +157,10 @@ void BlockLinearization::eliminateLandmark() {
   const Eigen::Index size = rows_.cols();
   product_.setZero(size, size);
   product_.selfadjointView<Eigen::Lower>().rankUpdate(rows_.transpose());
+  const Eigen::VectorXd diagonal = product_.diagonal().head(dimension_);
   for (int d = 0; d < dimension_; ++d) {
     const double pivot = product_(d, d);
-    if (!(pivot > 0.0)) continue;
+    if (!(pivot > kLeastPivot * diagonal(d))) continue;
     const Eigen::VectorXd column = product_.col(d).tail(size - d - 1);
     product_.bottomRightCorner(size - d - 1, size - d - 1)
         .selfadjointView<Eigen::Lower>()
@@ -203,6 +206,7 @@ void BlockLinearization::addTrack(std::size_t first, std::size_t last) {
   for (std::size_t o = first; o < last; ++o) {
     if (linearize(segment_.observations[o], row)) row += 2;
   }
+  if (row == 0 || !rows_.allFinite()) return;
   observations += static_cast<int>(row / 2);
   variables += dimension_;
   eliminateLandmark();
@@ -260,7 +264,7 @@ DisplacementMarginal displacementMarginal(const Problem& problem, double huber, 
   DisplacementMarginal marginal;
   marginal.sum = {Eigen::MatrixXd::Zero(shared, shared), Eigen::VectorXd::Zero(shared)};
   marginal.track_scores.setZero(shared, shared);
-  marginal.variables = shared;
+  marginal.variables = problem.camera->estimatedCount();  // the residuals know no displacement
   for (BlockLinearization& block : blocks) {
     marginal.sum.information += block.share.information;
     marginal.sum.gradient += block.share.gradient;

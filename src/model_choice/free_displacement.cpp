@@ -4,9 +4,12 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "camera_self_calibration/camera/pixel_grid.h"
+#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/geometry/so3.h"
@@ -40,15 +43,15 @@ struct Following {
   Eigen::MatrixXd slope;       // n_c per coefficient
 };
 
-Following followingOf(const DisplacementMarginal& marginal, int n) {
+// Nothing where the observations do not determine the intrinsics.
+std::optional<Following> followingOf(const DisplacementMarginal& marginal, int n) {
   const Eigen::MatrixXd& all = marginal.sum.information;
-  const Eigen::VectorXd scale = all.diagonal().head(n).unaryExpr(&inverseRoot);
-  const Eigen::MatrixXd unit = scale.asDiagonal() * all.topLeftCorner(n, n) * scale.asDiagonal();
+  const auto covariance = covarianceFromInformation(all.topLeftCorner(n, n));
+  if (!covariance) return std::nullopt;
   Following following;
-  following.covariance =
-      scale.asDiagonal() * unit.ldlt().solve(Eigen::MatrixXd::Identity(n, n)) * scale.asDiagonal();
-  following.step = following.covariance * marginal.sum.gradient.head(n);
-  following.slope = -following.covariance * all.topRightCorner(n, kCoefficients);
+  following.covariance = *covariance;
+  following.step = *covariance * marginal.sum.gradient.head(n);
+  following.slope = -*covariance * all.topRightCorner(n, kCoefficients);
   return following;
 }
 
@@ -87,23 +90,38 @@ SoughtSquare soughtSquare(const Coefficients& coefficients) {
   return square;
 }
 
-// How far the segments disagree under their joint lens with its displacement.
+// How far the segments disagree under their joint lens with its displacement: each one's way to its
+// own optimum, in its own sigmas, with what is sought for a prior. The degrees of freedom are what
+// is to be expected of the sum of squares.
 Scatter scatterOf(const DisplacementMarginal& marginal) {
-  Eigen::MatrixXd prior =
-      Eigen::MatrixXd::Zero(marginal.sum.gradient.size(), marginal.sum.gradient.size());
+  const Eigen::MatrixXd& total = marginal.sum.information;
+  Eigen::MatrixXd prior = Eigen::MatrixXd::Zero(total.rows(), total.cols());
   prior.diagonal().tail(kCoefficients).setConstant(kSoughtWeight);
-  const Eigen::LDLT<Eigen::MatrixXd> all(marginal.sum.information + prior);
-  const Eigen::VectorXd joint = all.solve(marginal.sum.gradient);
-  double freedom = -all.solve(marginal.sum.information).trace();
+  PseudoInverse inverse;
+  inverse.compute(total + prior, LinearSegment::kRankTolerance);
+  const Eigen::MatrixXd one = Eigen::MatrixXd::Identity(total.rows(), total.cols());
+  const Eigen::MatrixXd covariance = inverse.solve(one);
+  const Eigen::VectorXd joint = covariance * marginal.sum.gradient;
+  const Eigen::MatrixXd of_joint = covariance * total * covariance;
   Scatter scatter;
+  double expected = 0.0;
   for (const DisplacementMarginal::System& share : marginal.shares) {
-    const Eigen::LDLT<Eigen::MatrixXd> own(share.information + prior);
-    const Eigen::VectorXd gradient = share.gradient - share.information * joint;
-    scatter.chi_square += gradient.dot(own.solve(gradient));
-    freedom += own.solve(share.information).trace();
+    const Eigen::MatrixXd& own = share.information;
+    inverse.compute(own + prior, LinearSegment::kRankTolerance);
+    const Eigen::VectorXd gradient = share.gradient - own * joint;
+    scatter.chi_square += gradient.dot(inverse.solve(gradient).col(0));
+    const Eigen::MatrixXd noise = own + own * (of_joint - 2.0 * covariance) * own;
+    expected += inverse.solve(noise).trace();
   }
-  scatter.freedom = static_cast<int>(std::lround(freedom));
-  return scatter.freedom > 0 ? scatter : Scatter();
+  scatter.freedom = std::isfinite(expected) ? static_cast<int>(std::lround(expected)) : 0;
+  return scatter;
+}
+
+// The smaller of this one and that of the lens in use; that one, where this says nothing.
+Scatter disagreementOf(const LensObservations& observations, const DisplacementMarginal& marginal) {
+  const Scatter own = scatterOf(marginal);
+  const bool sound = own.freedom > 0 && own.chi_square >= 0.0 && std::isfinite(own.chi_square);
+  return sound ? disagreement(observations, own) : observations.scatter;
 }
 
 // Variance of the coefficients under which the gradients are likeliest (expectation maximisation),
@@ -200,11 +218,12 @@ FreeDisplacement freeDisplacement(const LensObservations& observations, const Le
       problemOf(observations, &segments, &camera), SolverOptions().huber, threads);
   FreeDisplacement free;
   free.camera = camera;
-  const Following following = followingOf(marginal, camera.estimatedCount());
-  const Coefficients coefficients = coefficientsOf(marginal, following);
+  const std::optional<Following> following = followingOf(marginal, camera.estimatedCount());
+  if (!trial.usable || !following) return free;
+  const Coefficients coefficients = coefficientsOf(marginal, *following);
   const SoughtSquare square = soughtSquare(coefficients);
-
-  const Scatter scatter = disagreement(observations, scatterOf(marginal));
+  const Scatter scatter = disagreementOf(observations, marginal);
+  // On the safe side: a displacement that is there adds to both, and to the segments' sigmas.
   const double scale = std::max(marginal.residualVariance(), square.design_effect);
   ScatterVariance variance = scatter.variance();
   variance.factor *= scale;
@@ -212,7 +231,7 @@ FreeDisplacement freeDisplacement(const LensObservations& observations, const Le
       variance.exceedance(square.value / square.expected * square.freedom, square.freedom);
 
   const double noise = scatter.birgeRatio() * scatter.birgeRatio() * scale;
-  setEstimate(coefficients, following, noise, &free);
+  setEstimate(coefficients, *following, noise, &free);
   return free;
 }
 

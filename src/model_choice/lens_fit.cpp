@@ -58,7 +58,7 @@ LensFitReport misfitBeside(const QueueSolution& solution, const LensTrial& riche
   report.undescribed = undescribedShare(richer.camera, now, image.seeing);
   report.misfit = withUndescribed(report.undescribed, misfit(image.seeing));
   report.misfit_observed = misfit(image.observed);
-  report.better = report.misfit.rms > 0.0 ? richer.name() : "";
+  report.better = report.fits() ? "" : richer.name();
   return report;
 }
 
@@ -77,7 +77,7 @@ LensFitReport misfitBeside(const QueueSolution& solution, const FreeDisplacement
 
 }  // namespace
 
-bool LensFitReport::fits() const { return misfit.rms <= 0.0; }
+bool LensFitReport::fits() const { return misfit.rms <= 0.0 && misfit_observed.rms <= 0.0; }
 
 bool LensFitReport::describesImage() const { return undescribed <= kNegligibleRim; }
 
@@ -88,7 +88,8 @@ std::string LensFitReport::sentence() const {
   text += describesImage() ? formatted(" misses the lens by %.1f px rms, %.1f px at worst",
                                        misfit.rms, misfit.max)
                            : formatted(" has no ray for %.0f %% of the image", 100.0 * undescribed);
-  return text + (better.empty() ? ", and no other model describes it" : ", but " + better + " fits it");
+  return text + (better.empty() ? ", and no other model was found to fit"
+                                : ", but " + better + " fits it");
 }
 
 std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool verdict_due,
@@ -106,14 +107,16 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
   LensComparison comparison =
       compareWithRicher(observationsOf(queue, solution.scatter), solution.camera, threads);
   double best = options_.significance;
+  bool refuted = false;
   for (const LensTrial& richer : comparison.richer) {
     const LensKnowledge knowledge = knowledgeOf(comparison.observations, richer, threads);
     const double p_value = leadByChance(richer, comparison.present, knowledge);
+    refuted = refuted || p_value <= options_.significance;
     if (knowledge.covariance.size() == 0 || !(p_value <= best)) continue;
     best = p_value;
     report_ = misfitBeside(solution, richer, knowledge.covariance, image);
   }
-  if (report_.fits()) {
+  if (!refuted) {
     const FreeDisplacement free =
         freeDisplacement(comparison.observations, comparison.present, threads);
     if (free.p_value <= options_.significance) report_ = misfitBeside(solution, free, image);

@@ -168,9 +168,9 @@ std::optional<Camera> likewise(const Camera& camera, CameraModel model, bool wit
 
 double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensKnowledge& known) {
   if (!behind.usable) return ahead.usable ? 0.0 : 1.0;
-  const double lead = behind.cost - ahead.cost;
-  if (!(lead > 0.0)) return 1.0;
-  return known.variance.exceedance(2.0 * lead, degreesOfFreedom(behind.camera, ahead.camera));
+  const double ratio = 2.0 * (behind.cost - ahead.cost);
+  if (!(ratio / known.variance.factor > 0.0)) return 1.0;
+  return known.variance.exceedance(ratio, degreesOfFreedom(behind.camera, ahead.camera));
 }
 
 std::int64_t nextComparison(std::int64_t keyframes) {

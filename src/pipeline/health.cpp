@@ -84,8 +84,8 @@ std::string settable(const std::string& model) {
 // What to do about a model that misses the lens.
 std::string adviceOn(const std::string& better_model) {
   if (!better_model.empty()) return "set the parameter model to " + settable(better_model);
-  return "accept the error with converged_pixel_rms, or calibrate this lens with a model of more "
-         "parameters; no motion helps";
+  return "let features pass through the whole image; if the misfit stays, accept the error with "
+         "converged_pixel_rms, or use a lens model of more parameters";
 }
 
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
@@ -117,7 +117,7 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
   if (evidence.handed_over && evidence.model_misses) {
     return {CalibrationState::kConverging,
             "the calibration is only " + goodTo(evidence) + limit(evidence) +
-                (evidence.better_model.empty() ? ", because no lens model fits the lens"
+                (evidence.better_model.empty() ? ", because no lens model was found to fit the lens"
                                                : ", because the lens model does not fit the lens"),
             adviceOn(evidence.better_model)};
   }

@@ -93,12 +93,17 @@ TEST(Audit, DoubtOfTheLensModelAndOfTheHalvesCounts) {
   const AuditReport misfit = audit(off, live, AuditOptions());
   EXPECT_EQ(misfit.verdict, AuditVerdict::kCannotTell) << misfit.sentence();
   EXPECT_NE(misfit.hint.find("radtan fits the lens better"), std::string::npos) << misfit.hint;
+  live.lens_fit.better = "";
+  EXPECT_NE(audit(off, live, AuditOptions()).hint.find("no other model was found"),
+            std::string::npos);
   live = knownLens(kNarrow, 0.05);
   live.cross_validation.compared = true;
   live.cross_validation.difference_px = 3.0;
   live.cross_validation.expected_px = 0.05;
   live.cross_validation.p_value = 1e-9;
-  EXPECT_EQ(audit(off, live, AuditOptions()).verdict, AuditVerdict::kCannotTell);
+  const AuditReport halves = audit(off, live, AuditOptions());
+  EXPECT_EQ(halves.verdict, AuditVerdict::kCannotTell);
+  EXPECT_EQ(halves.hint.find("no motion would help"), std::string::npos) << halves.hint;
 }
 
 struct Mistake {

@@ -234,17 +234,19 @@ TEST(LinearSegment, SegmentsAddInTheMarginal) {
 TEST(LinearSegment, TheUnitOfTheMapDoesNotMatter) {
   Camera camera = ordinaryCameras()[2];
   const SimulatedSegment made = smallSegment(camera, LandmarkOrigin::kMixed, 0.3, 7);
-  const auto marginalIn = [&](double unit) {
+  const auto marginalIn = [&](double unit, DepthNoise noise) {
     Segment segment = made.segment;
     for (Keyframe& keyframe : segment.keyframes) keyframe.world_from_camera.translation /= unit;
     for (Landmark& landmark : segment.landmarks) landmark.inverse_depth *= unit;
-    return marginalize({&camera, true, {{&segment, 1, 0, 1.0}}}, kHuber);
+    return marginalize({&camera, true, {{&segment, 1, 0, 1.0}}}, kHuber, 1, noise);
   };
-  const Marginal metric = marginalIn(1.0);
-  for (const double unit : {1e-30, 1e-15, 1e-9, 1e9, 1e15, 1e30}) {
-    const Marginal other = marginalIn(unit);
-    EXPECT_TRUE(other.information.isApprox(metric.information, 1e-6)) << unit;
-    EXPECT_TRUE(other.track_scores.isApprox(metric.track_scores, 1e-6)) << unit;
+  for (const DepthNoise noise : {DepthNoise::kCounts, DepthNoise::kDiscounted}) {
+    const Marginal metric = marginalIn(1.0, noise);
+    for (const double unit : {1e-30, 1e-15, 1e-9, 1e9, 1e15, 1e30}) {
+      const Marginal other = marginalIn(unit, noise);
+      EXPECT_TRUE(other.information.isApprox(metric.information, 1e-6)) << unit;
+      EXPECT_TRUE(other.track_scores.isApprox(metric.track_scores, 1e-6)) << unit;
+    }
   }
 }
 

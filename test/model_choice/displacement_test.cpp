@@ -84,13 +84,10 @@ TEST(DisplacementMarginal, ContainsThatOfTheIntrinsics) {
               1e-6 * lens.information.norm());
     EXPECT_LT((both.sum.gradient.head(n) - lens.gradient).norm(), 1e-6 * lens.gradient.norm());
     EXPECT_EQ(both.observations, lens.observations);
-    EXPECT_EQ(both.variables, lens.variables + kCount);
+    EXPECT_EQ(both.variables, lens.variables);
     EXPECT_NEAR(both.cost, lens.cost, 1e-9 * lens.cost);
-    // Both are scaled by their own degrees of freedom.
-    const double freedom = 2.0 * lens.observations - lens.variables;
-    const Eigen::MatrixXd scores =
-        both.track_scores.topLeftCorner(n, n) * (freedom - kCount) / freedom;
-    EXPECT_LT((scores - lens.track_scores).norm(), 1e-6 * lens.track_scores.norm());
+    EXPECT_LT((both.track_scores.topLeftCorner(n, n) - lens.track_scores).norm(),
+              1e-6 * lens.track_scores.norm());
   }
 }
 
@@ -125,14 +122,13 @@ TEST(FreeDisplacement, FindsWhatGoesBeyondTheModel) {
     const FreeDisplacement free = found(displacedSegments(truth, displace, 6), truth);
     EXPECT_LT(free.p_value, 1e-6);
     const double left = trueDistance(free.camera, displace);
-    const double sigma = free.uncertainty({}).rms;
-    EXPECT_NEAR(free.distance({}).rms, left, sigma);
-    EXPECT_LT(sigma, 2.0 * left);
+    EXPECT_NEAR(free.distance({}).rms, left, 0.25 * left);
+    EXPECT_LT(free.uncertainty({}).rms, 2.0 * left);
   }
 }
 
 TEST(FreeDisplacement, IsChanceWhereTheModelIsTrue) {
-  int below_a_tenth = 0;
+  int below_a_tenth = 0, below_six_tenths = 0;
   constexpr int kQueues = 12;
   for (int seed = 0; seed < kQueues; ++seed) {
     const Camera& truth = seed % 2 == 0 ? kRadtan : kWide;
@@ -140,9 +136,11 @@ TEST(FreeDisplacement, IsChanceWhereTheModelIsTrue) {
         found(separateSegments(truth, 3, static_cast<std::uint64_t>(100 + seed)), truth);
     EXPECT_GT(free.p_value, 1e-3) << seed;
     below_a_tenth += free.p_value < 0.1;
+    below_six_tenths += free.p_value < 0.6;
     EXPECT_LT(free.distance({}).rms, 3.0 * free.uncertainty({}).rms) << seed;
   }
   EXPECT_LE(below_a_tenth, kQueues / 3);
+  EXPECT_GE(below_six_tenths, kQueues / 6);
 }
 
 }  // namespace

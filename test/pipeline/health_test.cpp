@@ -110,7 +110,7 @@ TEST(Health, SaysThatNoModelFitsTheLens) {
   misfit.model_misses = true;
   const HealthVerdict verdict = judgeHealth(misfit, kCamera, false);
   EXPECT_EQ(verdict.state, CalibrationState::kConverging);
-  EXPECT_NE(verdict.sentence.find("no lens model fits the lens"), std::string::npos);
+  EXPECT_NE(verdict.sentence.find("no lens model was found to fit"), std::string::npos);
   EXPECT_NE(verdict.hint.find("converged_pixel_rms"), std::string::npos) << verdict.hint;
 }
 

@@ -26,7 +26,8 @@ struct FreeDisplacement {
   PixelError uncertainty(const ImageField& field) const;
 };
 
-/// `trial` is a lens that was fitted to the observations.
+/// `trial` is a lens that was fitted to the observations. p_value stays 1, and the rest empty,
+/// where they do not determine its intrinsics.
 FreeDisplacement freeDisplacement(const LensObservations& observations, const LensTrial& trial,
                                   int threads);
 
