@@ -12,6 +12,9 @@
 namespace camera_self_calibration {
 namespace {
 
+// [px rms] As printed.
+constexpr double kWorthAWord = 0.05;
+
 // Share of the image where a ray of `lens` has no pixel under `present`.
 double undescribedShare(const Camera& lens, const Camera& present, const ImageField& field) {
   int seen = 0;
@@ -28,12 +31,14 @@ double undescribedShare(const Camera& lens, const Camera& present, const ImageFi
   return seen > 0 ? static_cast<double>(refused) / seen : 0.0;
 }
 
-// The lens is the better one give or take its uncertainty, so that the expected square error of the
-// present one is that of their distance and of the better one. The stated uncertainty covers a part
-// of it, which is not counted twice.
-PixelError beyond(const PixelError& stated, const PixelError& distance, const PixelError& better) {
-  const auto left = [](double all, double part, double known) {
-    return std::sqrt(std::max(0.0, all * all + part * part - known * known));
+// The lens is so great a share of the way from the present one to the better one, give or take the
+// same share of what is less certain of that one (posterior mean and variance): this is what the
+// expected square error of the present one has beyond the stated uncertainty.
+PixelError beyond(const PixelError& stated, const PixelError& distance, const PixelError& better,
+                  double share) {
+  const auto left = [share](double all, double part, double known) {
+    return std::sqrt(
+        std::max(0.0, share * share * all * all + share * (part * part - known * known)));
   };
   return {left(distance.rms, better.rms, stated.rms), left(distance.max, better.max, stated.max)};
 }
@@ -45,20 +50,20 @@ PixelError withUndescribed(double share, const PixelError& misfit) {
       std::max(misfit.max, kUnpredictableResidualPx)};
 }
 
-// What a richer lens that refutes the present one says of it.
+// What a richer lens says of the present one.
 LensFitReport misfitBeside(const QueueSolution& solution, const LensTrial& richer,
-                           const IntrinsicsMatrix& covariance, const SeenImage& image) {
+                           const IntrinsicsMatrix& covariance, double share,
+                           const SeenImage& image) {
   const Camera& now = solution.camera;
   const auto misfit = [&](const ImageField& field) {
     return beyond(pixelUncertainty(now, solution.covariance, field),
                   pixelDistance(now, richer.camera, field),
-                  pixelUncertainty(richer.camera, covariance, field));
+                  pixelUncertainty(richer.camera, covariance, field), share);
   };
   LensFitReport report;
-  report.undescribed = undescribedShare(richer.camera, now, image.seeing);
+  report.undescribed = share * undescribedShare(richer.camera, now, image.seeing);
   report.misfit = withUndescribed(report.undescribed, misfit(image.seeing));
   report.misfit_observed = misfit(image.observed);
-  report.better = report.fits() ? "" : richer.name();
   return report;
 }
 
@@ -67,7 +72,7 @@ LensFitReport misfitBeside(const QueueSolution& solution, const FreeDisplacement
                            const SeenImage& image) {
   const auto misfit = [&](const ImageField& field) {
     return beyond(pixelUncertainty(solution.camera, solution.covariance, field),
-                  free.distance(field), free.uncertainty(field));
+                  free.distance(field), free.uncertainty(field), 1.0);
   };
   LensFitReport report;
   report.misfit = misfit(image.seeing);
@@ -77,13 +82,17 @@ LensFitReport misfitBeside(const QueueSolution& solution, const FreeDisplacement
 
 }  // namespace
 
-bool LensFitReport::fits() const { return misfit.rms <= 0.0 && misfit_observed.rms <= 0.0; }
-
 bool LensFitReport::describesImage() const { return undescribed <= kNegligibleRim; }
 
 std::string LensFitReport::sentence() const {
   if (!compared) return "";
-  if (fits()) return "no richer lens model fits better than " + model;
+  if (!refuted) {
+    return misfit.rms < kWorthAWord ? "no richer lens model fits better than " + model
+                                    : formatted(
+                                          "the video does not rule out that %s misses the "
+                                          "lens by %.1f px rms",
+                                          model.c_str(), misfit.rms);
+  }
   std::string text = model;
   text += describesImage() ? formatted(" misses the lens by %.1f px rms, %.1f px at worst",
                                        misfit.rms, misfit.max)
@@ -96,7 +105,7 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
                                                 const std::vector<Candidate>& queue,
                                                 const QueueSolution& solution,
                                                 const SeenImage& image, int threads) {
-  if (keyframes < next_ && !(verdict_due && report_.fits())) return std::nullopt;
+  if (keyframes < next_ && !verdict_due) return std::nullopt;
   std::vector<std::int64_t> sequences;
   sequences.reserve(queue.size());
   for (const Candidate& candidate : queue) sequences.push_back(candidate.segment.sequence);
@@ -106,21 +115,23 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
   report_ = LensFitReport();
   LensComparison comparison =
       compareWithRicher(observationsOf(queue, solution.scatter), solution.camera, threads);
-  double best = options_.significance;
-  bool refuted = false;
+  double least = 1.0;
   for (const LensTrial& richer : comparison.richer) {
     const LensKnowledge knowledge = knowledgeOf(comparison.observations, richer, threads);
     const double p_value = leadByChance(richer, comparison.present, knowledge);
-    refuted = refuted || p_value <= options_.significance;
-    if (knowledge.covariance.size() == 0 || !(p_value <= best)) continue;
-    best = p_value;
-    report_ = misfitBeside(solution, richer, knowledge.covariance, image);
+    if (knowledge.covariance.size() == 0 || !(p_value < least)) continue;
+    least = p_value;
+    report_ = misfitBeside(solution, richer, knowledge.covariance,
+                           shareBeyondChance(richer, comparison.present, knowledge), image);
+    if (p_value <= options_.significance) report_.better = richer.name();
   }
-  if (!refuted) {
+  if (report_.better.empty()) {
     const FreeDisplacement free =
         freeDisplacement(comparison.observations, comparison.present, threads);
-    if (free.p_value <= options_.significance) report_ = misfitBeside(solution, free, image);
+    if (free.p_value < least) report_ = misfitBeside(solution, free, image);
+    least = std::min(least, free.p_value);
   }
+  report_.refuted = least <= options_.significance && report_.misfit.rms > 0.0;
   report_.compared = true;
   report_.model = toString(solution.camera.model());
   return comparison;

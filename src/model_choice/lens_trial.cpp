@@ -173,6 +173,14 @@ double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensK
   return known.variance.exceedance(ratio, degreesOfFreedom(behind.camera, ahead.camera));
 }
 
+double shareBeyondChance(const LensTrial& ahead, const LensTrial& behind,
+                         const LensKnowledge& known) {
+  if (!behind.usable) return ahead.usable ? 1.0 : 0.0;
+  const double ratio = 2.0 * (behind.cost - ahead.cost) / known.variance.factor;
+  const double by_chance = degreesOfFreedom(behind.camera, ahead.camera);
+  return ratio > by_chance ? 1.0 - by_chance / ratio : 0.0;
+}
+
 std::int64_t nextComparison(std::int64_t keyframes) {
   constexpr std::int64_t kMinInterval = 5;
   constexpr std::int64_t kMaxInterval = 100;

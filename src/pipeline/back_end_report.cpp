@@ -58,7 +58,7 @@ HealthVerdict verdictOn(const BackEndState& state, double converged_rms) {
   evidence.obstacle = state.obstacle;
   // Where the model is chosen, a better one follows by itself.
   if (fit.better.empty() || !state.chooses_model) {
-    evidence.model_misses = fit.misfit.rms > state.known.noise.rms;
+    evidence.model_misses = fit.refuted && fit.misfit.rms > state.known.noise.rms;
     evidence.better_model = fit.better;
   }
   const bool was_converged = state.health.state == CalibrationState::kConverged;

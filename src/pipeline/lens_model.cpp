@@ -20,7 +20,7 @@ void BackEnd::considerStartupModel() {
 void BackEnd::considerLensFit() {
   if (!queueLeads(state_.phase)) return;
   const bool verdict_due = state_.health.state != CalibrationState::kConverged &&
-                           state_.known.noise.rms <= convergedRms();
+                           state_.uncertainty().rms <= convergedRms();
   const auto comparison = state_.lens_fit.consider(
       state_.keyframes, verdict_due, state_.queue.candidates(), state_.queue.solution(),
       {state_.field, state_.known.observed_area}, options_.solver_threads);

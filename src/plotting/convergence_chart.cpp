@@ -286,7 +286,7 @@ std::string checksInWords(const CalibrationReport& report) {
                                                      : "halves of the video disagree");
   }
   if (report.lens_fit.compared) {
-    words.push_back(report.lens_fit.fits() ? "lens model fits" : "lens model does not fit");
+    words.push_back(report.lens_fit.refuted ? "lens model does not fit" : "lens model fits");
   }
   if (report.observed.share > 0.0) {
     words.push_back(formatted("features in %.0f %% of the image", 100.0 * report.observed.share));

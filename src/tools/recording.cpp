@@ -51,6 +51,7 @@ Json errorJson(const PixelError& error) { return {{"rms", error.rms}, {"max", er
 
 Json lensFitJson(const LensFitReport& fit) {
   return {{"sentence", fit.sentence()},
+          {"refuted", fit.refuted},
           {"better_model", fit.better},
           {"misfit", errorJson(fit.misfit)},
           {"misfit_observed", errorJson(fit.misfit_observed)},

@@ -123,7 +123,7 @@ struct Outcome {
   double error_px = NAN;  // from the true lens where features were, a rotation removed
 
   bool converged() const { return report.state == CalibrationState::kConverged; }
-  bool flagged() const { return !converged() || !report.lens_fit.fits(); }
+  bool flagged() const { return !converged() || report.lens_fit.refuted; }
   double stated() const { return report.observed.uncertainty.rms; }
 };
 

@@ -31,9 +31,12 @@ LensFitReport fitOf(const SegmentQueue& queue) {
 
 TEST(LensFit, ATrueModelFits) {
   for (const Camera& truth : {kPinhole, kRadtan, kWide, as(CameraModel::kEquidistant, kWide)}) {
-    const LensFitReport report = fitOf(queueOf(truth, truth.model(), 4));
-    EXPECT_EQ(report.better, "") << report.sentence();
-    EXPECT_EQ(report.misfit.rms, 0.0);
+    const SegmentQueue queue = queueOf(truth, truth.model(), 4);
+    const LensFitReport report = fitOf(queue);
+    EXPECT_FALSE(report.refuted) << report.sentence();
+    EXPECT_EQ(report.better, "");
+    const PixelError noise = pixelUncertainty(queue.solution().camera, queue.solution().covariance);
+    EXPECT_LT(report.misfit.rms, noise.rms);
     EXPECT_TRUE(report.describesImage());
     EXPECT_EQ(report.sentence(),
               "no richer lens model fits better than " + toString(truth.model()));
@@ -54,6 +57,31 @@ TEST(LensFit, FindsTheDistortionThatAPinholeLacks) {
   EXPECT_NE(report.sentence().find(report.better + " fits it"), std::string::npos);
 }
 
+// Whether the video refutes the pinhole or only casts doubt on it.
+TEST(LensFit, ADistortionOfAnyStrengthCounts) {
+  bool doubted = false;
+  for (const double k1 : {-0.002, -0.004, -0.006, -0.008, -0.012, -0.02}) {
+    const Camera truth = camera640(CameraModel::kRadtan, {420, 415, 325, 236, k1, 0, 0, 0});
+    const SegmentQueue queue = queueOf(truth, CameraModel::kPinhole, 2);
+    const LensFitReport report = fitOf(queue);
+    const PixelError noise = pixelUncertainty(queue.solution().camera, queue.solution().covariance);
+    const double error = pixelDistance(queue.solution().camera, truth).rms;
+    EXPECT_LT(error, 3.0 * noise.inQuadrature(report.misfit).rms) << k1;
+    doubted = doubted || (!report.refuted && report.misfit.rms > noise.rms);
+  }
+  EXPECT_TRUE(doubted);
+}
+
+TEST(LensFit, SaysWhatTheVideoDoesNotRuleOut) {
+  LensFitReport report;
+  report.compared = true;
+  report.model = "pinhole";
+  EXPECT_EQ(report.sentence(), "no richer lens model fits better than pinhole");
+  report.misfit = {2.5, 6.0};
+  EXPECT_EQ(report.sentence(),
+            "the video does not rule out that pinhole misses the lens by 2.5 px rms");
+}
+
 TEST(LensFit, FindsAWideLensThatRadtanCannotDescribe) {
   const LensFitReport report = fitOf(queueOf(kWide, CameraModel::kRadtan, 4));
   EXPECT_EQ(report.better, "equidistant") << report.sentence();
@@ -70,7 +98,7 @@ TEST(LensFit, FindsALensThatNoModelDescribes) {
   };
   const SegmentQueue queue = solvedQueue(displacedSegments(kRadtan, decentred, 6), kRadtan);
   const LensFitReport report = fitOf(queue);
-  EXPECT_FALSE(report.fits());
+  EXPECT_TRUE(report.refuted);
   EXPECT_EQ(report.better, "");
   const Camera& camera = queue.solution().camera;
   std::vector<PixelRay> rays = pixelGrid(kRadtan);
@@ -87,6 +115,7 @@ TEST(LensFit, SaysWhereTheImageHasNoRays) {
   LensFitReport report;
   report.compared = true;
   report.model = "radtan";
+  report.refuted = true;
   report.better = "equidistant";
   report.misfit = {15.5, 50.0};
   report.undescribed = 0.1;

@@ -66,6 +66,24 @@ TEST(LensTrial, ALeadIsJudgedByItsDegreesOfFreedom) {
   EXPECT_NEAR(leadByChance(equidistant, pinhole, {1.0, 10, {}}), 1.78e-2, 0.01e-2);
 }
 
+TEST(LensTrial, WhatChanceExplainsDoesNotCount) {
+  LensTrial pinhole, equidistant;
+  pinhole.camera = kPinhole;
+  equidistant.camera = as(CameraModel::kEquidistant, kPinhole);
+  pinhole.usable = equidistant.usable = true;
+  const auto share = [&](double ratio, double variance) {
+    pinhole.cost = 0.5 * ratio;
+    return shareBeyondChance(equidistant, pinhole, {{variance, 0}, {}});
+  };
+  EXPECT_EQ(share(3.0, 1.0), 0.0);  // of 4 degrees of freedom
+  EXPECT_DOUBLE_EQ(share(8.0, 1.0), 0.5);
+  EXPECT_EQ(share(8.0, 2.0), 0.0);
+  EXPECT_DOUBLE_EQ(share(400.0, 1.0), 0.99);
+  EXPECT_EQ(shareBeyondChance(pinhole, equidistant, LensKnowledge()), 0.0);
+  pinhole.usable = false;
+  EXPECT_EQ(shareBeyondChance(equidistant, pinhole, LensKnowledge()), 1.0);
+}
+
 TEST(ModelChoice, WhatDescribesTheLensStays) {
   for (const Camera& truth : {kPinhole, kRadtan, kFov}) {
     ModelChoice choice{ModelChoiceOptions()};

@@ -113,7 +113,7 @@ TEST(ConvergenceChart, ChecksAreSaidInWords) {
   EXPECT_EQ(checksInWords(report),
             "halves of the video agree, lens model fits, features in 96 % of the image");
   report.cross_validation.p_value = 1e-9;
-  report.lens_fit.misfit = {1.2, 3.4};
+  report.lens_fit.refuted = true;
   EXPECT_EQ(checksInWords(report),
             "halves of the video disagree, lens model does not fit, features in 96 % of the image");
 }

@@ -68,7 +68,7 @@ TEST(Messages, CalibrationHasASigmaForEachValue) {
   Intrinsics values(9);
   values << 421, 422, 354, 252, -0.33, 0.16, 0.001, -0.002, -0.05;
   report.camera = Camera(CameraModel::kRadtan, 752, 480, values);
-  report.lens_fit = {true, "pinhole", "radtan", {5.0, 12.0}, {4.0, 9.0}, 0.0};
+  report.lens_fit = {true, "pinhole", true, "radtan", {5.0, 12.0}, {4.0, 9.0}, 0.0};
   report.cross_validation = {true, 0.4, 0.5, 0.3};
   report.observed = {0.8, {0.2, 0.3}, "the upper left corner was never seen", nullptr};
   Calibration message = toCalibration(report, TrackingState::kTracking, "Follows.");

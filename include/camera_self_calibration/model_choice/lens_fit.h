@@ -22,19 +22,19 @@ constexpr double kNegligibleRim = 0.05;
 struct LensFitReport {
   bool compared = false;  ///< Else nothing is known yet.
   std::string model;      ///< The one in use.
+  bool refuted = false;   ///< `model` misses the lens, beyond chance.
   std::string better;     ///< Describes the lens where `model` misses it; empty: none does better.
-  /// What the better lens adds to the expected error of the lens in use, a rotation of the camera
-  /// removed, over the image [px]: distance^2 between the two + uncertainty^2 of the better one -
-  /// uncertainty^2 of the lens in use, which no longer holds. Pixels without a ray, unless they are
-  /// a negligible rim, count like observations that cannot be predicted
+  /// What the lens that does best adds to the expected error of the lens in use, whether it refutes
+  /// that one or not, a rotation of the camera removed, over the image [px]: s^2 distance^2 between
+  /// the two + s (uncertainty^2 of the other one - uncertainty^2 of the lens in use), with the
+  /// share s of their difference that is beyond chance (shareBeyondChance). Pixels without a ray,
+  /// unless they are a negligible rim, count like observations that cannot be predicted
   /// (kUnpredictableResidualPx).
   PixelError misfit;
   PixelError misfit_observed;  ///< The same over the part of the image that features covered.
   /// Share of the image that has rays under the better model and none under the one in use.
   double undescribed = 0.0;
 
-  /// Whether nothing is known against `model`.
-  bool fits() const;
   /// Whether `model` has rays for the image but for a negligible rim.
   bool describesImage() const;
   /// In words; empty before the first comparison.
@@ -61,9 +61,8 @@ class LensFit {
  public:
   explicit LensFit(const LensFitOptions& options) : options_(options) {}
 
-  /// Compares if it is time to, or if `verdict_due` (the calibration is about to be called good)
-  /// and no misfit is known. `solution` is that of `queue` as it is. The comparison, if there was
-  /// one.
+  /// Compares if it is time to, or if `verdict_due` (the calibration is about to be called good).
+  /// `solution` is that of `queue` as it is. The comparison, if there was one.
   std::optional<LensComparison> consider(std::int64_t keyframes, bool verdict_due,
                                          const std::vector<Candidate>& queue,
                                          const QueueSolution& solution, const SeenImage& image,

@@ -68,6 +68,13 @@ std::optional<Camera> likewise(const Camera& camera, CameraModel model, bool wit
 /// parameters, to be on the safe side, where it only comes close to it. 1 where it is not ahead.
 double leadByChance(const LensTrial& ahead, const LensTrial& behind, const LensKnowledge& known);
 
+/// The share of the difference between the two lenses that counts, where differences are taken for
+/// normal with a variance that the observations tell (empirical Bayes: James & Stein 1961, Efron &
+/// Morris 1973): 1 - 1 / F, with the likelihood ratio F per degree of freedom in units of what
+/// chance makes of it; 0 where that is less than 1.
+double shareBeyondChance(const LensTrial& ahead, const LensTrial& behind,
+                         const LensKnowledge& known);
+
 /// Count of keyframes at which to compare again: when there are a quarter more, at least 5 and at
 /// most 100, so that the effort per keyframe stays bounded.
 std::int64_t nextComparison(std::int64_t keyframes);
