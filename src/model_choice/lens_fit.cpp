@@ -125,13 +125,17 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
                            shareBeyondChance(richer, comparison.present, knowledge), image);
     if (p_value <= options_.significance) report_.better = richer.name();
   }
-  if (report_.better.empty()) {
+  // Two accounts of what lies beyond the model: to be on the safe side, the larger counts.
+  if (least > options_.significance) {
     const FreeDisplacement free =
         freeDisplacement(comparison.observations, comparison.present, threads);
-    if (free.p_value < least) report_ = misfitBeside(solution, free, image);
+    const LensFitReport beyond_models =
+        free.p_value < 1.0 ? misfitBeside(solution, free, image) : LensFitReport();
+    if (report_.misfit.rms < beyond_models.misfit.rms) report_ = beyond_models;
     least = std::min(least, free.p_value);
   }
   report_.refuted = least <= options_.significance && report_.misfit.rms > 0.0;
+  if (!report_.refuted) report_.better.clear();
   report_.compared = true;
   report_.model = toString(solution.camera.model());
   return comparison;
