@@ -125,6 +125,7 @@ const std::vector<AuditVerdict> kGoodOnly = {AuditVerdict::kGood};
 const std::vector<AuditVerdict> kWrongOnly = {AuditVerdict::kWrong};
 const std::vector<AuditVerdict> kCannotTellOnly = {AuditVerdict::kCannotTell};
 const std::vector<AuditVerdict> kNotWrong = {AuditVerdict::kGood, AuditVerdict::kCannotTell};
+const std::vector<AuditVerdict> kNotGood = {AuditVerdict::kWrong, AuditVerdict::kCannotTell};
 
 std::vector<Audited> auditsOfPublished(const Camera& own, const Camera& other) {
   return {
@@ -153,12 +154,13 @@ std::vector<Audited> auditsOf(const Sequence& sequence) {
   if (bag == "mav_board") return {{"truth", truth, kNotWrong, {}}, longer};
   if (bag == "kitti03_begin") return {{"published", truth, kNotWrong, {}}};
   if (bag == "tsukuba") {
-    // The images say 622; the truth above lies between that and what is published.
+    // The images say 622; the truth above lies between that and what is published. Five seconds
+    // leave open whether the lens is a pinhole to a pixel.
     const auto pinhole = [](double f) {
       return lens(CameraModel::kPinhole, 640, 480, {f, f, 319.5, 239.5});
     };
-    return {{"published", pinhole(615.0), kWrongOnly, LikelyCause::kFocalLength},
-            {"as the images say", pinhole(622.2), kGoodOnly, {}},
+    return {{"published", pinhole(615.0), kNotGood, LikelyCause::kFocalLength},
+            {"as the images say", pinhole(622.2), kNotWrong, {}},
             longer};
   }
   if (bag != "mh01_stereo") return {};
@@ -218,7 +220,7 @@ void judgeAudits(const Sequence& sequence, const CalibrationReport& live) {
     const auto& allowed = audited.allowed;
     EXPECT_NE(std::find(allowed.begin(), allowed.end(), report.verdict), allowed.end())
         << audited.name << ": " << toString(report.verdict) << ": " << report.sentence();
-    if (audited.cause) {
+    if (audited.cause && report.verdict == AuditVerdict::kWrong) {
       EXPECT_EQ(report.cause, *audited.cause) << audited.name << ": " << report.sentence();
     }
     if (report.verdict == AuditVerdict::kCannotTell) {
