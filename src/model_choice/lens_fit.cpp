@@ -86,12 +86,10 @@ bool LensFitReport::describesImage() const { return undescribed <= kNegligibleRi
 
 std::string LensFitReport::sentence() const {
   if (!compared) return "";
+  if (!refuted && misfit.rms < kWorthAWord) return "no richer lens model fits better than " + model;
   if (!refuted) {
-    return misfit.rms < kWorthAWord ? "no richer lens model fits better than " + model
-                                    : formatted(
-                                          "the video does not rule out that %s misses the "
-                                          "lens by %.1f px rms",
-                                          model.c_str(), misfit.rms);
+    return "the video does not rule out that " + model +
+           formatted(" misses the lens by %.1f px rms", misfit.rms);
   }
   std::string text = model;
   text += describesImage() ? formatted(" misses the lens by %.1f px rms, %.1f px at worst",

@@ -32,7 +32,7 @@ struct LensFitReport {
   /// (kUnpredictableResidualPx).
   PixelError misfit;
   PixelError misfit_observed;  ///< The same over the part of the image that features covered.
-  /// Share of the image that has rays under the better model and none under the one in use.
+  /// Share of the image that has rays under the other model and none under the one in use, times s.
   double undescribed = 0.0;
 
   /// Whether `model` has rays for the image but for a negligible rim.
@@ -54,7 +54,7 @@ struct LensFitOptions {
 };
 
 /// Holds the model in use against richer lenses (compareWithRicher), which are published nowhere,
-/// on the queue's segments; and where none of them does better, against a lens that no model
+/// on the queue's segments; and where none of them refutes it, against a lens that no model
 /// describes (freeDisplacement). Compares at geometric intervals of keyframes (at most 100), and
 /// only when the queue has changed, so that the effort per keyframe stays bounded.
 class LensFit {
