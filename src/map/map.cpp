@@ -121,14 +121,19 @@ const Keyframe* Map::keyframe(std::int64_t id) const {
   return found != keyframes_.end() && found->id == id ? &*found : nullptr;
 }
 
-Segment Map::lastKeyframes(int count, const Camera& camera) const {
-  return segmentFrom(std::max(0, static_cast<int>(keyframes_.size()) - count), camera);
+Segment Map::segmentFrom(int first, const Camera& camera) const {
+  return segmentOf(first, static_cast<int>(keyframes_.size()), camera);
 }
 
-Segment Map::segmentFrom(int first, const Camera& camera) const {
+Segment Map::lastKeyframes(int count, const Camera& camera, int newer) const {
+  const int end = static_cast<int>(keyframes_.size()) - newer;
+  return segmentOf(std::max(0, end - count), end, camera);
+}
+
+Segment Map::segmentOf(int first, int end, const Camera& camera) const {
   Segment segment;
-  if (first >= static_cast<int>(keyframes_.size())) return segment;
-  segment.keyframes.assign(keyframes_.begin() + first, keyframes_.end());
+  if (first >= end) return segment;
+  segment.keyframes.assign(keyframes_.begin() + first, keyframes_.begin() + end);
   segment.sequence = segment.keyframes.back().id;
   segment.earlier_camera = earlier_camera_;
   std::map<std::int64_t, int> index;  // keyframe id to index in the segment
@@ -140,12 +145,15 @@ Segment Map::segmentFrom(int first, const Camera& camera) const {
     const auto begin = std::find_if(
         point.sightings.begin(), point.sightings.end(),
         [&](const Sighting& s) { return s.keyframe_id >= segment.keyframes.front().id; });
-    if (point.sightings.end() - begin < 2) continue;
+    const auto last = std::find_if(begin, point.sightings.end(), [&](const Sighting& s) {
+      return s.keyframe_id > segment.keyframes.back().id;
+    });
+    if (last - begin < 2) continue;
     if (const auto landmark = landmarkFrom(track_id, point, *begin, camera)) {
       const int landmark_index = static_cast<int>(segment.landmarks.size());
       segment.landmarks.push_back(*landmark);
       segment.landmarks.back().reference = index[begin->keyframe_id];
-      for (auto s = begin + (landmark->anchored ? 1 : 0); s != point.sightings.end(); ++s) {
+      for (auto s = begin + (landmark->anchored ? 1 : 0); s != last; ++s) {
         segment.observations.push_back(
             {landmark_index, index[s->keyframe_id], s->pixel, s->sigma, s->shift});
       }

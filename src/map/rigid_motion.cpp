@@ -91,10 +91,26 @@ std::optional<Vector6d> robustFit(const std::vector<Equation>& equations) {
   return solution;
 }
 
+// Those whose motion was measured in most images, if they are enough: where there are none from
+// before or after, it is several per cent off, and alike for all.
+std::vector<MovingPoint> bestMeasured(const std::vector<MovingPoint>& points) {
+  std::vector<MovingPoint> best = points;
+  std::stable_sort(best.begin(), best.end(), [](const MovingPoint& a, const MovingPoint& b) {
+    return a.measured.images > b.measured.images;
+  });
+  std::size_t count = std::min(best.size(), static_cast<std::size_t>(kMinPoints));
+  while (count < best.size() && best[count].measured.images == best[count - 1].measured.images) {
+    ++count;
+  }
+  best.resize(count);
+  return best;
+}
+
 }  // namespace
 
-std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& points,
+std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& features,
                                             const Camera& camera) {
+  const std::vector<MovingPoint> points = bestMeasured(features);
   std::vector<Equation> velocities;
   for (const MovingPoint& moving : points) {
     const std::optional<Matrix26d> design = designOf(moving, camera);

@@ -107,9 +107,9 @@ void FrontEnd::scaleMap(double factor) {
 // How the features move, for this image, and better now for the images before it.
 TrackedFrame FrontEnd::withMotion(const TrackedFrame& frame) {
   TrackedFrame moving = frame;
-  if (!options_.estimate_readout && options_.readout_s == 0.0) return moving;
+  if (!mayRoll()) return moving;
   motions_.add(frame);
-  for (int ago = 1; ago < motions_.size(); ++ago) {
+  for (int ago = 1; ago < std::min(motions_.size(), MotionHistory::kReach + 1); ++ago) {
     if (window_.hasKeyframe(motions_.stampNs(ago))) {
       window_.setMotions(motions_.stampNs(ago), motions_.motions(ago));
     }
@@ -132,6 +132,7 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& seen,
   if (!output.restart_tracking && (first || due)) {
     makeKeyframe(frame, detect(), describe, &output);
   }
+  handOnKeyframe(frame, &output);
   for (Event& event : output.events) event.epoch = epoch_;
   output.result.state = state_;
   output.result.map_id = map_id_;
@@ -215,15 +216,28 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
                             "tracking was lost; the calibration is kept and a new map begins"});
 }
 
-KeyframeMessage FrontEnd::keyframeMessage() const {
+// A keyframe is handed on when it is known how the features moved in it, which takes images from
+// after it too: what is wrong with the motion of the newest keyframe is wrong with its pixels.
+void FrontEnd::handOnKeyframe(const TrackedFrame& frame, FrontEndOutput* output) {
+  const int ago = mayRoll() ? MotionHistory::kReach : 0;
+  if (ago >= motions_.size() && mayRoll()) return;
+  const std::int64_t stamp_ns = mayRoll() ? motions_.stampNs(ago) : frame.stamp_ns;
+  if (!window_.hasKeyframe(stamp_ns)) return;
+  output->keyframe = keyframeMessage(stamp_ns);
+  output->keyframe->field = frame.field;
+}
+
+KeyframeMessage FrontEnd::keyframeMessage(std::int64_t stamp_ns) const {
+  const Map& map = window_.map();
+  const int newer = map.keyframesSince(stamp_ns) - 1;
   KeyframeMessage message;
-  message.keyframes = keyframes_;
-  const int present = window_.map().keyframesSince(epoch_onset_ns_);  // with the present lens
+  message.keyframes = keyframes_ - newer;
+  const int present = map.keyframesSince(epoch_onset_ns_) - newer;  // with the present lens
   message.candidate =
-      window_.map().lastKeyframes(std::min(options_.segment_keyframes, present), window_.camera());
+      map.lastKeyframes(std::min(options_.segment_keyframes, present), window_.camera(), newer);
   if (!handed_over_) {
     // With what is known of the scene from before a change, which makes few keyframes suffice.
-    message.history = window_.map().lastKeyframes(options_.startup_keyframes, window_.camera());
+    message.history = map.lastKeyframes(options_.startup_keyframes, window_.camera(), newer);
   }
   message.suspected_onset_ns = monitor_.suspicious() ? monitor_.onsetNs() : 0;
   return message;
@@ -272,8 +286,6 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
   output->result.is_keyframe = true;
   output->result.keyframe_id = keyframe.id;
   last_stamp_ns_ = frame.stamp_ns;
-  output->keyframe = keyframeMessage();
-  output->keyframe->field = frame.field;
 }
 
 }  // namespace camera_self_calibration

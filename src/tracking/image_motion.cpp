@@ -15,19 +15,27 @@ struct Sample {
   Eigen::Vector2d pixel;
 };
 
-// Derivatives at time 0 of the parabola through three samples, or of the line through two.
+// Derivatives at time 0 of the polynomial through all samples.
 ImageMotion motionThrough(const std::vector<Sample>& samples) {
+  // Divided differences (Newton), in place.
+  std::vector<Eigen::Vector2d> coefficients;
+  for (const Sample& sample : samples) coefficients.push_back(sample.pixel);
+  const std::size_t count = samples.size();
+  for (std::size_t order = 1; order < count; ++order) {
+    for (std::size_t i = count - 1; i >= order; --i) {
+      coefficients[i] = (coefficients[i] - coefficients[i - 1]) /
+                        (samples[i].time_s - samples[i - order].time_s);
+    }
+  }
+  Eigen::Vector2d value = Eigen::Vector2d::Zero();
   ImageMotion motion;
-  if (samples.size() < 2) return motion;
-  const auto slope = [&](std::size_t i) {
-    return Eigen::Vector2d((samples[i + 1].pixel - samples[i].pixel) /
-                           (samples[i + 1].time_s - samples[i].time_s));
-  };
-  const double middle = 0.5 * (samples[0].time_s + samples[1].time_s);
-  motion.velocity = slope(0);
-  if (samples.size() < 3) return motion;
-  motion.acceleration = 2.0 * (slope(1) - slope(0)) / (samples[2].time_s - samples[0].time_s);
-  motion.velocity -= middle * motion.acceleration;
+  for (std::size_t i = count; i-- > 0;) {  // Horner
+    const double step = -samples[i].time_s;
+    motion.acceleration = step * motion.acceleration + 2.0 * motion.velocity;
+    motion.velocity = step * motion.velocity + value;
+    value = step * value + coefficients[i];
+  }
+  motion.images = static_cast<int>(count);
   return motion;
 }
 
@@ -71,6 +79,7 @@ ImageMotion motionInTime(const Eigen::Vector2d& pixel, const ImageMotion& stampe
   // t(s) = s + (p_y(s) - middle_row) line_delay_s, and q(t(s)) = p(s).
   const double pace = std::max(kLeastPace, 1.0 + line_delay_s * velocity.y());
   ImageMotion in_time;
+  in_time.images = stamped.images;
   in_time.velocity = velocity / pace;
   in_time.acceleration =
       (stamped.acceleration - line_delay_s * stamped.acceleration.y() * in_time.velocity) /
@@ -88,12 +97,11 @@ Eigen::Vector2d asSeenAtOnceInTime(const Eigen::Vector2d& pixel, const ImageMoti
 void MotionHistory::add(const TrackedFrame& frame) {
   Image next;
   next.stamp_ns = frame.stamp_ns;
-  next.first_new_id = next_id_;
   measureStep(&next);
   images_.push_back(std::move(next));
   if (size() > kImages) images_.pop_front();
   addDetected(frame.tracks);
-  if (size() == kImages) weighSteps();
+  if (size() > 2) weighSteps();
 }
 
 void MotionHistory::measureStep(Image* next) {
@@ -138,24 +146,25 @@ void MotionHistory::weighSteps() {
 void MotionHistory::addDetected(const std::vector<Track>& tracks) {
   for (const Track& track : tracks) {
     images_.back().pixels[track.id] = track.pixel;
-    next_id_ = std::max(next_id_, track.id + 1);
   }
 }
 
 std::map<std::int64_t, ImageMotion> MotionHistory::motions(int images_ago) const {
   std::map<std::int64_t, ImageMotion> result;
-  const Image& asked = image(images_ago);
+  const int index = size() - 1 - images_ago;
+  const int begin = std::max(0, index - kReach);
+  const int end = std::min(size(), index + kReach + 1);
   std::vector<double> times(images_.size(), 0.0);
   for (std::size_t i = 1; i < images_.size(); ++i) times[i] = times[i - 1] + stepOf(images_[i]);
-  const double now = times[images_.size() - 1 - static_cast<std::size_t>(images_ago)];
+  const double now = times[static_cast<std::size_t>(index)];
   std::vector<Sample> samples;
-  for (const auto& [id, pixel] : asked.pixels) {
-    if (images_ago == kImages - 1 && id < asked.first_new_id) continue;
+  for (const auto& [id, pixel] : image(images_ago).pixels) {
     samples.clear();
-    for (std::size_t i = 0; i < images_.size(); ++i) {
-      const auto found = images_[i].pixels.find(id);
-      if (found == images_[i].pixels.end()) continue;
-      samples.push_back({times[i] - now, found->second});
+    for (int i = begin; i < end; ++i) {
+      const auto& pixels = images_[static_cast<std::size_t>(i)].pixels;
+      const auto found = pixels.find(id);
+      if (found == pixels.end()) continue;
+      samples.push_back({times[static_cast<std::size_t>(i)] - now, found->second});
     }
     result[id] = motionThrough(samples);
   }

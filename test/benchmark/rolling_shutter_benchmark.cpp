@@ -1,11 +1,12 @@
 // The readout time of a rolling shutter, and the calibration with it, on simulated feature tracks.
 //
 //   rolling_shutter_benchmark [--trials 40] [--first-seed 1] [--seconds 15] [--shutter auto]
-//                             [--readouts 0,10,15,30] [--noise 0] [--jitter 0]
+//                             [--readouts 0,10,15,30] [--noise 0] [--jitter 0] [--speed 1]
 //
 // Each trial has a lens, a motion and a noise of its own, the same for every readout time [ms].
 // `--noise` is that of all trials [px]; 0: 0.05 to 0.2.
 // `--jitter` is how far the images' stamps are off at most [ms].
+// `--speed` is a factor on the speed of the motion, and on how fast it changes.
 // `--shutter` is what the calibrator is told: auto, off or a readout time [s].
 
 #include <algorithm>
@@ -35,6 +36,7 @@ struct Arguments {
   std::string readouts_ms;
   double noise_px = 0.0;
   double jitter_s = 0.0;
+  double speed = 1.0;
 };
 
 struct Row {
@@ -49,7 +51,7 @@ Row runTrial(const Arguments& arguments, double readout_s, std::uint64_t seed) {
   TrackRunOptions tracks;
   tracks.seed = seed;
   tracks.rate_hz = 30.0;
-  tracks.motion_speed = random.uniform(0.4, 1.2);
+  tracks.motion_speed = arguments.speed * random.uniform(0.4, 1.2);
   tracks.pixel_sigma = random.uniform(0.05, 0.2);
   if (arguments.noise_px > 0.0) tracks.pixel_sigma = arguments.noise_px;
   tracks.outlier_share = 0.01;
@@ -136,7 +138,8 @@ std::optional<Arguments> parse(int argc, char** argv) {
                                      {"--shutter", "auto"},
                                      {"--readouts", "0,10,15,30"},
                                      {"--noise", "0"},
-                                     {"--jitter", "0"}});
+                                     {"--jitter", "0"},
+                                     {"--speed", "1"}});
   if (!values) return std::nullopt;
   Arguments arguments;
   arguments.trials = std::stoi(values->at("--trials"));
@@ -146,6 +149,7 @@ std::optional<Arguments> parse(int argc, char** argv) {
   arguments.readouts_ms = values->at("--readouts");
   arguments.noise_px = std::stod(values->at("--noise"));
   arguments.jitter_s = 1e-3 * std::stod(values->at("--jitter"));
+  arguments.speed = std::stod(values->at("--speed"));
   Options scratch;
   return setRollingShutter(arguments.shutter, &scratch) ? std::make_optional(arguments)
                                                         : std::nullopt;

@@ -160,6 +160,15 @@ TEST_F(MapTest, SegmentHoldsInheritedAndAnchoredLandmarks) {
   }
   EXPECT_EQ(last.observations.size(), 6u);
   EXPECT_EQ(map.lastKeyframes(99, kCamera).keyframes.size(), 4u);
+
+  // As if the newest keyframe were not there yet.
+  const Segment before = map.lastKeyframes(3, kCamera, 1);
+  ASSERT_EQ(before.keyframes.size(), 3u);
+  EXPECT_EQ(before.keyframes.back().id, 2);
+  EXPECT_EQ(before.sequence, 2);
+  ASSERT_EQ(before.landmarks.size(), 2u) << "others are seen once until then";
+  EXPECT_EQ(before.observations.size(), 2u + 1u);
+  EXPECT_TRUE(map.lastKeyframes(3, kCamera, 4).keyframes.empty());
   EXPECT_TRUE(map.segmentFrom(4, kCamera).keyframes.empty());
 }
 

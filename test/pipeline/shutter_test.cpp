@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
@@ -67,6 +68,53 @@ TEST(Shutter, StampsOfArrivalDoNotSpoilIt) {
   EXPECT_NEAR(report.shutter.readout_s, kReadout, 0.05 * kReadout)
       << "8 % too short by the stamps alone";
   EXPECT_LT(pixelDistance(truth, report.camera).rms, 3.0 * report.uncertainty.rms);
+}
+
+// By differences to the neighbouring images alone it is 5 sigma too long.
+TEST(Shutter, AHandThatShakesFastDoesNotSpoilIt) {
+  TrackRunOptions tracks = tracksWith(0.027);
+  tracks.motion_speed = 2.5;
+  const Camera truth = ordinaryCameras()[1];
+  TrackRun run(truth, optionsFor(truth.model()), tracks);
+  run.run(kFrames);
+  const CalibrationReport report = run.report();
+  EXPECT_EQ(report.state, CalibrationState::kConverged) << report.sentence;
+  EXPECT_NEAR(report.shutter.readout_s, 0.027, 3.0 * report.shutter.sigma_s);
+  EXPECT_LT(pixelDistance(truth, report.camera).rms, 3.0 * report.uncertainty.rms);
+  std::cout << describe(report.shutter) << "; " << pixelDistance(truth, report.camera).rms
+            << " px, stated " << report.uncertainty.rms << " px\n";
+}
+
+int mostImages(const KeyframeMessage& message) {
+  int most = 0;
+  for (const Observation& observation : message.candidate.observations) {
+    if (observation.keyframe + 1 < static_cast<int>(message.candidate.keyframes.size())) continue;
+    most = std::max(most, observation.shift.motion.images);
+  }
+  return most;
+}
+
+// With "off" there is no motion to wait for.
+TEST(Shutter, AKeyframeIsHandedOnWhenTheMotionInItIsKnown) {
+  for (const bool rolls : {true, false}) {
+    const Camera truth = ordinaryCameras()[1];
+    Options options = optionsFor(truth.model());
+    ASSERT_TRUE(setRollingShutter(rolls ? "auto" : "off", &options));
+    TrackRun run(truth, options, tracksWith(kReadout));
+    int messages = 0;
+    run.record.on_keyframe = [&](const KeyframeMessage& message) {
+      EXPECT_EQ(message.candidate.keyframes.back().id, messages);
+      EXPECT_EQ(message.keyframes, ++messages) << "each once";
+      if (messages == 1) return;
+      EXPECT_EQ(message.history.endNs(), message.candidate.endNs());
+      const std::int64_t newest = run.record.frames.empty() ? 0 : run.record.frames.back().stamp_ns;
+      const double late_s = toSeconds(newest - message.candidate.endNs());
+      EXPECT_NEAR(late_s, rolls ? 1.0 / 30.0 : -1.0 / 30.0, 1e-3) << "the present frame comes later";
+      EXPECT_EQ(mostImages(message), rolls ? 5 : 0);
+    };
+    run.run(60);
+    EXPECT_GT(messages, 5);
+  }
 }
 
 TEST(Shutter, GlobalOneIsFoundToBeGlobal) {

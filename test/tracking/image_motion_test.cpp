@@ -62,11 +62,38 @@ TEST(ImageMotion, TwoImagesGiveItsVelocity) {
   EXPECT_TRUE(motion.acceleration.isZero());
 }
 
-TEST(ImageMotion, OfTheOldestImageOnlyForTracksThatStartedThere) {
+// The largest error of the velocity of a hand that shakes at 3 Hz [share], over the images.
+double worstOfAShakingHand(int images_ago) {
+  const double omega = 2.0 * M_PI * 3.0;
   MotionHistory history;
-  for (int i = 0; i < 4; ++i) history.add(frame(i));
-  EXPECT_EQ(history.motions(2).count(7), 0u) << "it was between two images before";
-  EXPECT_EQ(history.motions(1).count(7), 1u);
+  double worst = 0.0;
+  for (int i = 0; i < 60; ++i) {
+    TrackedFrame shaken;
+    shaken.stamp_ns = std::llround(1e9 * kPeriod * i);
+    Track track;
+    track.id = 7;
+    track.pixel = {300.0 + 30.0 * std::sin(omega * kPeriod * i), 200.0};
+    shaken.tracks = {track};
+    history.add(shaken);
+    if (history.size() < MotionHistory::kImages) continue;
+    const ImageMotion motion = history.motions(images_ago).at(7);
+    const double truth = 30.0 * omega * std::cos(omega * kPeriod * (i - images_ago));
+    worst = std::max(worst, std::abs(motion.velocity.x() - truth) / (30.0 * omega));
+  }
+  return worst;
+}
+
+TEST(ImageMotion, FollowsAShakingHandBetweenTwoImagesOnEitherSide) {
+  EXPECT_LT(worstOfAShakingHand(2), 0.006);
+  EXPECT_GT(worstOfAShakingHand(0), 0.1) << "the newest image has none after it";
+}
+
+TEST(ImageMotion, TellsInHowManyImagesItWasMeasured) {
+  MotionHistory history;
+  for (int i = 0; i < 7; ++i) history.add(frame(i));
+  EXPECT_EQ(history.motions(0).at(7).images, 3);
+  EXPECT_EQ(history.motions(1).at(7).images, 4);
+  EXPECT_EQ(history.motions(2).at(7).images, 5);
 }
 
 TEST(ImageMotion, InTimeItIsThatOfTheFeature) {

@@ -85,8 +85,8 @@ class Map {
   /// are inherited. Landmarks with fewer than two sightings in it are left out.
   Segment segmentFrom(int first, const Camera& camera) const;
 
-  /// The last `count` keyframes.
-  Segment lastKeyframes(int count, const Camera& camera) const;
+  /// The last `count` keyframes but for the `newer` newest ones.
+  Segment lastKeyframes(int count, const Camera& camera, int newer = 0) const;
 
   /// Takes over poses, generations and depths of a segment made by this map (after solving). What
   /// the map has forgotten since then is left out.
@@ -103,6 +103,7 @@ class Map {
   double medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) const;
 
  private:
+  Segment segmentOf(int first, int end, const Camera& camera) const;
   void removeOldest(const Camera& camera);
   std::optional<Landmark> landmarkFrom(std::int64_t track_id, const Point& point,
                                        const Sighting& first, const Camera& camera) const;

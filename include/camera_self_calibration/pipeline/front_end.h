@@ -55,7 +55,7 @@ struct KeyframeMessage {
 
 struct FrontEndOutput {
   FrameResult result;
-  std::optional<KeyframeMessage> keyframe;
+  std::optional<KeyframeMessage> keyframe;  ///< Of this frame, or of one shortly before.
   std::vector<std::int64_t> outliers;  ///< Tracks to end.
   std::vector<Event> events;
   bool restart_tracking = false;  ///< The map was lost: end all tracks, detect anew.
@@ -104,7 +104,9 @@ class FrontEnd {
   void seekOlderMap(const TrackedFrame& whole, const Describe& describe, FrontEndOutput* output);
   double keyframeSpacing() const;
   void watchLens(const TrackedFrame& frame, const PoseEstimate& pose);
-  KeyframeMessage keyframeMessage() const;
+  void handOnKeyframe(const TrackedFrame& frame, FrontEndOutput* output);
+  KeyframeMessage keyframeMessage(std::int64_t stamp_ns) const;
+  bool mayRoll() const { return options_.estimate_readout || options_.readout_s != 0.0; }
   TrackedFrame withMotion(const TrackedFrame& frame);
   void resumeTracking(const TrackedFrame& frame);
   void missPose(const TrackedFrame& frame, FrontEndOutput* output);

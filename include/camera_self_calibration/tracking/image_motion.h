@@ -26,14 +26,18 @@ ImageMotion motionInTime(const Eigen::Vector2d& pixel, const ImageMotion& stampe
 Eigen::Vector2d asSeenAtOnceInTime(const Eigen::Vector2d& pixel, const ImageMotion& in_time,
                                    double middle_row, double line_delay_s);
 
-/// The motion of features through the newest images, by a parabola through three of them. A sensor
-/// takes images at a steady rate, but many drivers stamp them when they arrive, some milliseconds
-/// early or late, which makes a velocity wrong by as large a part. So steps of whole periods take
-/// the place of the stamps' for as long as features move more evenly by them.
+/// The motion of features through the newest images, by the polynomial through up to five of them. A
+/// parabola through three would be too stiff: a hand that shakes at 3 Hz, seen at 30 Hz, moves 7 %
+/// faster than it says. A sensor takes images at a steady rate, but many drivers stamp them when
+/// they arrive, some milliseconds early or late, which makes a velocity wrong by as large a part. So
+/// steps of whole periods take the place of the stamps' for as long as features move more evenly by
+/// them.
 class MotionHistory {
  public:
+  /// Images on either side of one whose motion is asked for, at most.
+  static constexpr int kReach = 2;
   /// The images that are remembered: the newest is 0 images old.
-  static constexpr int kImages = 3;
+  static constexpr int kImages = 2 * kReach + 1;
 
   /// The tracks of the next image.
   void add(const TrackedFrame& frame);
@@ -48,10 +52,9 @@ class MotionHistory {
   int size() const { return static_cast<int>(images_.size()); }
   std::int64_t stampNs(int images_ago) const { return image(images_ago).stamp_ns; }
 
-  /// The motion of each track of an image: central differences where the track was seen before and
-  /// after, else one-sided ones, and none where it was seen once. By track id. Of the oldest image
-  /// that is remembered, only the tracks that started in it: for the others it was better known
-  /// before.
+  /// The motion of each track of an image, up to kReach images ago: from all images within kReach,
+  /// where the track was seen before and after, else from one side, and none where it was seen once.
+  /// By track id.
   std::map<std::int64_t, ImageMotion> motions(int images_ago) const;
 
  private:
@@ -60,7 +63,6 @@ class MotionHistory {
     double stamped_step_s = 0.0;                     ///< From the image before it, by the stamps,
     double even_step_s = 0.0;                        ///< and in whole periods.
     std::map<std::int64_t, Eigen::Vector2d> pixels;  // by track id
-    std::int64_t first_new_id = 0;                   // this and greater ones started in it
   };
 
   const Image& image(int images_ago) const {
@@ -74,7 +76,6 @@ class MotionHistory {
   }
 
   std::deque<Image> images_;
-  std::int64_t next_id_ = 0;
   FrameClock clock_{60};  // jitter of a tenth of a period then makes velocities wrong by 0.3 %
   FrameClock newest_{5};  // notices another rate
   /// By how much less the features' steps in the image change in whole periods than by the stamps:

@@ -12,6 +12,7 @@ namespace camera_self_calibration {
 struct ImageMotion {
   Eigen::Vector2d velocity = Eigen::Vector2d::Zero();      ///< [px/s]
   Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();  ///< [px/s^2]
+  int images = 0;                                          ///< That they were measured in.
 };
 
 /// One feature in one image, registered against the patch of the image in which it was detected.
