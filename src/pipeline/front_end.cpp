@@ -132,7 +132,10 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& seen,
   if (!output.restart_tracking && (first || due)) {
     makeKeyframe(frame, detect(), describe, &output);
   }
-  handOnKeyframe(frame, &output);
+  if (const auto stamp_ns = keyframeToHandOn(output)) {
+    output.keyframe = keyframeMessage(*stamp_ns);
+    output.keyframe->field = frame.field;
+  }
   for (Event& event : output.events) event.epoch = epoch_;
   output.result.state = state_;
   output.result.map_id = map_id_;
@@ -216,15 +219,18 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
                             "tracking was lost; the calibration is kept and a new map begins"});
 }
 
-// A keyframe is handed on when it is known how the features moved in it, which takes images from
-// after it too: what is wrong with the motion of the newest keyframe is wrong with its pixels.
-void FrontEnd::handOnKeyframe(const TrackedFrame& frame, FrontEndOutput* output) {
-  const int ago = mayRoll() ? MotionHistory::kReach : 0;
-  if (ago >= motions_.size() && mayRoll()) return;
-  const std::int64_t stamp_ns = mayRoll() ? motions_.stampNs(ago) : frame.stamp_ns;
-  if (!window_.hasKeyframe(stamp_ns)) return;
-  output->keyframe = keyframeMessage(stamp_ns);
-  output->keyframe->field = frame.field;
+// Stamp of the keyframe to hand on at this frame, if there is one. It has to be known how features
+// moved in it, which takes images from after it too: what is wrong with the motion in a keyframe is
+// wrong with its pixels. The first one of a map says nothing but that the map begins.
+std::optional<std::int64_t> FrontEnd::keyframeToHandOn(const FrontEndOutput& output) const {
+  const auto& keyframes = window_.map().keyframes();
+  if (output.result.is_keyframe && (!mayRoll() || keyframes.size() == 1)) {
+    return keyframes.back().stamp_ns;
+  }
+  if (!mayRoll() || motions_.size() <= MotionHistory::kReach) return std::nullopt;
+  const std::int64_t stamp_ns = motions_.stampNs(MotionHistory::kReach);
+  if (!window_.hasKeyframe(stamp_ns) || keyframes.front().stamp_ns == stamp_ns) return std::nullopt;
+  return stamp_ns;
 }
 
 KeyframeMessage FrontEnd::keyframeMessage(std::int64_t stamp_ns) const {

@@ -67,6 +67,7 @@ class Runner {
 
   Callbacks callbacks() {
     Callbacks result;
+    result.frame = [this](const FrameResult& frame) { is_keyframe_ = frame.is_keyframe; };
     result.calibration = [this](const CalibrationReport& report) { watch(report); };
     result.event = [this](const Event& event) { watch(event); };
     return result;
@@ -120,12 +121,8 @@ class Runner {
     const double begin = cpuSeconds();
     calibrator_->processTracks(frame, detect);
     const double seconds = cpuSeconds() - begin;
-    if (outcome_.keyframes == keyframes_before) return;
-    if (idle) {
-      idle_seconds_.push_back(seconds);
-    } else {
-      optimum_.addKeyframe(whole, tracks_);
-    }
+    if (!idle && is_keyframe_) optimum_.addKeyframe(whole, tracks_);
+    if (idle && outcome_.keyframes > keyframes_before) idle_seconds_.push_back(seconds);
   }
 
   void summarize() {
@@ -158,6 +155,7 @@ class Runner {
   std::unique_ptr<SelfCalibrator> calibrator_;
   CalibrationReport report_;
   StartupOutcome outcome_;
+  bool is_keyframe_ = false;  // the newest frame
   std::vector<double> idle_seconds_;
 };
 

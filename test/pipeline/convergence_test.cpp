@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iostream>
 
+#include "camera_self_calibration/tracking/image_motion.h"
 #include "estimation/sample_segments.h"
 #include "pipeline/track_run.h"
 #include "sanitized.h"
@@ -215,7 +216,8 @@ TEST(Convergence, ReportsAreConsistent) {
     EXPECT_EQ(frame.keyframe_id, frame.is_keyframe ? id : -1);
     id += frame.is_keyframe;
   }
-  EXPECT_EQ(id, keyframes);
+  EXPECT_GE(id, keyframes);
+  EXPECT_LE(id, keyframes + MotionHistory::kReach) << "the last ones are not handed on yet";
 }
 
 }  // namespace

@@ -105,7 +105,7 @@ TEST(Shutter, AKeyframeIsHandedOnWhenTheMotionInItIsKnown) {
     run.record.on_keyframe = [&](const KeyframeMessage& message) {
       EXPECT_EQ(message.candidate.keyframes.back().id, messages);
       EXPECT_EQ(message.keyframes, ++messages) << "each once";
-      if (messages == 1) return;
+      if (messages == 1) return;  // at once: it says nothing but that the map begins
       EXPECT_EQ(message.history.endNs(), message.candidate.endNs());
       const std::int64_t newest = run.record.frames.empty() ? 0 : run.record.frames.back().stamp_ns;
       const double late_s = toSeconds(newest - message.candidate.endNs());

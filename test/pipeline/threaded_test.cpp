@@ -12,6 +12,7 @@
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/simulation/simulated_sequence.h"
+#include "camera_self_calibration/tracking/image_motion.h"
 #include "pipeline/track_run.h"
 
 namespace camera_self_calibration {
@@ -95,7 +96,8 @@ TEST(Threaded, ProcessesEveryImageThatIsWaitedFor) {
   std::size_t keyframes = 0;
   for (std::size_t i = 0; i < images().size(); ++i) {
     EXPECT_EQ(record.frames[i].stamp_ns, images()[i].stamp_ns);
-    keyframes += record.frames[i].is_keyframe;
+    // Those of the last two images are not handed on yet.
+    if (i + MotionHistory::kReach < images().size()) keyframes += record.frames[i].is_keyframe;
   }
   EXPECT_GE(keyframes, 5u);
   EXPECT_EQ(record.reports.size(), keyframes);

@@ -104,7 +104,7 @@ class FrontEnd {
   void seekOlderMap(const TrackedFrame& whole, const Describe& describe, FrontEndOutput* output);
   double keyframeSpacing() const;
   void watchLens(const TrackedFrame& frame, const PoseEstimate& pose);
-  void handOnKeyframe(const TrackedFrame& frame, FrontEndOutput* output);
+  std::optional<std::int64_t> keyframeToHandOn(const FrontEndOutput& output) const;
   KeyframeMessage keyframeMessage(std::int64_t stamp_ns) const;
   bool mayRoll() const { return options_.estimate_readout || options_.readout_s != 0.0; }
   TrackedFrame withMotion(const TrackedFrame& frame);
