@@ -28,6 +28,7 @@ struct Equation {
   Matrix26d design;
   Eigen::Vector2d measured;
   double weight;
+  int images;  // that the motion was measured in
 };
 
 // Of the point for a camera that moves: x' = -rho v - w x x.
@@ -65,8 +66,23 @@ double shareOf(double residual, double typical) {
   return residual > kOwnMotion * typical ? 0.0 : kHuber * typical / residual;
 }
 
-std::optional<Vector6d> robustFit(const std::vector<Equation>& equations) {
+// Those of the features that were measured in most images, if they are enough for some of them to
+// have a motion of their own: where there are no images from before or after, the motion is several
+// per cent off, and alike for all.
+void keepBestMeasured(std::vector<Equation>* equations) {
+  std::stable_sort(equations->begin(), equations->end(),
+                   [](const Equation& a, const Equation& b) { return a.images > b.images; });
+  std::size_t count = 2 * static_cast<std::size_t>(kMinPoints);
+  const auto differs = [&](std::size_t i) {
+    return (*equations)[i].images != (*equations)[i - 1].images;
+  };
+  while (count < equations->size() && !differs(count)) ++count;
+  if (count < equations->size()) equations->resize(count);
+}
+
+std::optional<Vector6d> robustFit(std::vector<Equation> equations) {
   if (static_cast<int>(equations.size()) < kMinPoints) return std::nullopt;
+  keepBestMeasured(&equations);
   Vector6d solution = Vector6d::Zero();
   std::vector<double> residuals(equations.size(), 0.0);
   for (int round = 0; round < kRounds; ++round) {
@@ -91,31 +107,16 @@ std::optional<Vector6d> robustFit(const std::vector<Equation>& equations) {
   return solution;
 }
 
-// Those whose motion was measured in most images, if they are enough: where there are none from
-// before or after, it is several per cent off, and alike for all.
-std::vector<MovingPoint> bestMeasured(const std::vector<MovingPoint>& points) {
-  std::vector<MovingPoint> best = points;
-  std::stable_sort(best.begin(), best.end(), [](const MovingPoint& a, const MovingPoint& b) {
-    return a.measured.images > b.measured.images;
-  });
-  std::size_t count = std::min(best.size(), static_cast<std::size_t>(kMinPoints));
-  while (count < best.size() && best[count].measured.images == best[count - 1].measured.images) {
-    ++count;
-  }
-  best.resize(count);
-  return best;
-}
-
 }  // namespace
 
-std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& features,
+std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& points,
                                             const Camera& camera) {
-  const std::vector<MovingPoint> points = bestMeasured(features);
   std::vector<Equation> velocities;
   for (const MovingPoint& moving : points) {
     const std::optional<Matrix26d> design = designOf(moving, camera);
     if (!design || moving.measured.velocity.isZero()) continue;
-    velocities.push_back({*design, moving.measured.velocity, moving.weight});
+    velocities.push_back(
+        {*design, moving.measured.velocity, moving.weight, moving.measured.images});
   }
   const std::optional<Vector6d> velocity = robustFit(velocities);
   if (!velocity) return std::nullopt;
@@ -124,7 +125,8 @@ std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& feat
     const std::optional<Matrix26d> design = designOf(moving, camera);
     const auto steady = steadyAcceleration(moving, *velocity, camera);
     if (!design || !steady || moving.measured.acceleration.isZero()) continue;
-    accelerations.push_back({*design, moving.measured.acceleration - *steady, moving.weight});
+    accelerations.push_back(
+        {*design, moving.measured.acceleration - *steady, moving.weight, moving.measured.images});
   }
   return CameraMotion{*velocity, robustFit(accelerations).value_or(Vector6d::Zero())};
 }

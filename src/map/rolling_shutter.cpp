@@ -10,7 +10,8 @@ namespace camera_self_calibration {
 namespace {
 
 // In the image in which its track starts, a feature's velocity is that at the end of the parabola,
-// whose variance is this many times that of central differences; the reference itself has no noise.
+// whose variance is this many times that of central differences through as many images; the
+// reference itself has no noise.
 constexpr double kStartVariance = 8.5;
 
 /// One pixel of a segment, and what it moves like.

@@ -238,14 +238,17 @@ KeyframeMessage FrontEnd::keyframeMessage(std::int64_t stamp_ns) const {
   const int newer = map.keyframesSince(stamp_ns) - 1;
   KeyframeMessage message;
   message.keyframes = keyframes_ - newer;
-  const int present = map.keyframesSince(epoch_onset_ns_) - newer;  // with the present lens
+  // With the present lens: one at least, though time may have jumped back to before its onset.
+  const int present = std::max(1, map.keyframesSince(epoch_onset_ns_) - newer);
   message.candidate =
       map.lastKeyframes(std::min(options_.segment_keyframes, present), window_.camera(), newer);
   if (!handed_over_) {
     // With what is known of the scene from before a change, which makes few keyframes suffice.
     message.history = map.lastKeyframes(options_.startup_keyframes, window_.camera(), newer);
   }
-  message.suspected_onset_ns = monitor_.suspicious() ? monitor_.onsetNs() : 0;
+  // A suspicion of later images is none of this keyframe's.
+  const bool suspected = monitor_.suspicious() && monitor_.onsetNs() <= stamp_ns;
+  message.suspected_onset_ns = suspected ? monitor_.onsetNs() : 0;
   return message;
 }
 

@@ -42,7 +42,7 @@ void WholeTrajectory::addKeyframes(const Segment& window, double scale, Stretch*
   }
 }
 
-// The window after a keyframe knows better how its features move.
+// The newer window has its pixels freed of the newer line delay.
 void WholeTrajectory::learnMotion(const Observation& seen, std::vector<Observation>* known) {
   for (Observation& observation : *known) {
     if (observation.keyframe != seen.keyframe) continue;

@@ -23,8 +23,8 @@ ImageMotion motionThrough(const std::vector<Sample>& samples) {
   const std::size_t count = samples.size();
   for (std::size_t order = 1; order < count; ++order) {
     for (std::size_t i = count - 1; i >= order; --i) {
-      coefficients[i] = (coefficients[i] - coefficients[i - 1]) /
-                        (samples[i].time_s - samples[i - order].time_s);
+      coefficients[i] =
+          (coefficients[i] - coefficients[i - 1]) / (samples[i].time_s - samples[i - order].time_s);
     }
   }
   Eigen::Vector2d value = Eigen::Vector2d::Zero();
@@ -163,8 +163,9 @@ std::map<std::int64_t, ImageMotion> MotionHistory::motions(int images_ago) const
     for (int i = begin; i < end; ++i) {
       const auto& pixels = images_[static_cast<std::size_t>(i)].pixels;
       const auto found = pixels.find(id);
-      if (found == pixels.end()) continue;
-      samples.push_back({times[static_cast<std::size_t>(i)] - now, found->second});
+      const double time_s = times[static_cast<std::size_t>(i)] - now;
+      const bool known = !samples.empty() && samples.back().time_s == time_s;  // one stamp, twice
+      if (found != pixels.end() && !known) samples.push_back({time_s, found->second});
     }
     result[id] = motionThrough(samples);
   }

@@ -112,13 +112,13 @@ TEST(RigidMotion, GoesByTheFeaturesThatWereMeasuredInMostImages) {
   std::vector<MovingPoint> points = movingPoints(kPoints, 0.0, &random);
   // As of tracks that begin or end here: alike for all of them, so that no robust loss helps.
   for (int i = 0; i < kPoints; ++i) {
-    points[i].measured.images = i < 20 ? 5 : 3;
-    if (i >= 20) points[i].measured.velocity *= 0.9;
+    points[i].measured.images = i < 30 ? 5 : 3;
+    if (i >= 30) points[i].measured.velocity *= 0.9;
   }
   const auto motion = fitCameraMotion(points, kCamera);
   ASSERT_TRUE(motion);
   EXPECT_LT(rmsVelocityError(*motion), 0.01);
-  points.erase(points.begin() + 8, points.begin() + 20);
+  points.erase(points.begin() + 8, points.begin() + 30);
   const auto most = fitCameraMotion(points, kCamera);
   ASSERT_TRUE(most);
   EXPECT_GT(rmsVelocityError(*most), 5.0) << "eight are too few to do without the others";

@@ -88,6 +88,14 @@ TEST(ImageMotion, FollowsAShakingHandBetweenTwoImagesOnEitherSide) {
   EXPECT_GT(worstOfAShakingHand(0), 0.1) << "the newest image has none after it";
 }
 
+TEST(ImageMotion, TwoImagesOfOneStampAreOne) {
+  MotionHistory history;
+  for (const int i : {0, 1, 1, 2, 3}) history.add(frame(i));
+  for (int ago = 0; ago <= MotionHistory::kReach; ++ago) {
+    EXPECT_TRUE(history.motions(ago).at(7).velocity.allFinite()) << ago << " images ago";
+  }
+}
+
 TEST(ImageMotion, TellsInHowManyImagesItWasMeasured) {
   MotionHistory history;
   for (int i = 0; i < 7; ++i) history.add(frame(i));

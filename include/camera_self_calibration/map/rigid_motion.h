@@ -26,7 +26,8 @@ struct CameraMotion {
 
 /// The motion of the camera before a rigid scene that explains the features' motions best, robust
 /// against those that do not belong to it. The differences of noisy tracks, of which there are two
-/// numbers for each feature, become six for all of them. Nothing where there are too few.
+/// numbers for each feature, become six for all of them. It goes by the features that were measured
+/// in most images (ImageMotion::images), if they are enough. Nothing where there are too few.
 std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& points,
                                             const Camera& camera);
 

@@ -18,8 +18,9 @@ void placePixel(double line_delay_s, int image_height, Eigen::Vector2d* pixel, R
 void setLineDelay(double line_delay_s, int image_height, Segment* segment);
 
 /// The same for a segment that was solved: each keyframe's features move as a rigid scene does
-/// (fitCameraMotion). A feature's own motion is a difference of noisy pixels: times the line delay
-/// its noise looks like an error that grows with the line delay, which is then found too short.
+/// (fitCameraMotion, by those whose motion is known best). A feature's own motion is a difference
+/// of noisy pixels: times the line delay its noise looks like an error that grows with the line
+/// delay, which is then found too short.
 void setLineDelayOfScene(double line_delay_s, const Camera& camera, Segment* segment);
 
 }  // namespace camera_self_calibration

@@ -42,11 +42,11 @@ struct CalibrationUpdate {
   std::int64_t onset_ns = 0;  ///< Of the epoch: stamp of the first keyframe with the present lens.
 };
 
-/// From the front end to the back end, at a keyframe.
+/// From the front end to the back end: a keyframe, when the motion of features in it is known.
 struct KeyframeMessage {
   std::shared_ptr<const Beginning> beginning;
   std::int64_t keyframes = 0;  ///< Count since the start.
-  Segment candidate;           ///< The last n keyframes.
+  Segment candidate;           ///< The last n keyframes until this one.
   Segment history;             ///< For the startup batch; empty after hand-over.
   /// When the tracks began to fit less well than usual [ns]; 0: they do not (InnovationMonitor).
   std::int64_t suspected_onset_ns = 0;
@@ -56,7 +56,7 @@ struct KeyframeMessage {
 struct FrontEndOutput {
   FrameResult result;
   std::optional<KeyframeMessage> keyframe;  ///< Of this frame, or of one shortly before.
-  std::vector<std::int64_t> outliers;  ///< Tracks to end.
+  std::vector<std::int64_t> outliers;       ///< Tracks to end.
   std::vector<Event> events;
   bool restart_tracking = false;  ///< The map was lost: end all tracks, detect anew.
   bool contradicted = false;      ///< It was, although enough features could be followed.

@@ -15,7 +15,8 @@
 
 namespace camera_self_calibration {
 
-/// The newest part of the map, at a keyframe. Lives as long as the call.
+/// The newest part of the map, until the keyframe that is handed to the back end: with a rolling
+/// shutter that may be, two images after it was taken. Lives as long as the call.
 struct MapView {
   std::uint64_t map_id = 0;
   const Camera& camera;   ///< That its poses and depths were estimated with.
