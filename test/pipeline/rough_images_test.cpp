@@ -82,7 +82,9 @@ TEST(RoughImages, MovingObjectsTextAndAutomaticExposure) {
   rough.moving_share = 0.1;
   rough.text_overlay = true;
   rough.auto_exposure = true;
-  expectHonest(calibrate(smallVideo(), rough));
+  RoughVideo video = smallVideo();
+  video.duration_s = 15.0;  // after 9 s it depends on the seed whether the segments agree yet
+  expectHonest(calibrate(video, rough));
 }
 
 }  // namespace
