@@ -16,6 +16,9 @@ constexpr int kRounds = 4;
 // where they are so large that the feature has a motion of its own.
 constexpr double kHuber = 2.0;
 constexpr double kOwnMotion = 5.0;
+// What a polynomial through few images of a shaken camera can miss of a feature's motion, of that
+// motion: only what is far beyond is another one.
+constexpr double kTruncation = 2.0;
 // Of the diagonal: directions that nothing tells, such as the translation before a far scene, stay
 // small.
 constexpr double kRidge = 1e-9;
@@ -80,31 +83,43 @@ void keepBestMeasured(std::vector<Equation>* equations) {
   if (count < equations->size()) equations->resize(count);
 }
 
-std::optional<Vector6d> robustFit(std::vector<Equation> equations) {
+struct RobustFit {
+  Vector6d solution = Vector6d::Zero();
+  double typical = 0.0;  // weighted residual, the median
+};
+
+std::optional<RobustFit> robustFit(std::vector<Equation> equations) {
   if (static_cast<int>(equations.size()) < kMinPoints) return std::nullopt;
   keepBestMeasured(&equations);
-  Vector6d solution = Vector6d::Zero();
+  RobustFit fit;
   std::vector<double> residuals(equations.size(), 0.0);
   for (int round = 0; round < kRounds; ++round) {
-    const double typical = median(residuals, 0.0);
     Matrix6d normal = Matrix6d::Zero();
     Vector6d right = Vector6d::Zero();
     for (std::size_t i = 0; i < equations.size(); ++i) {
       const Equation& equation = equations[i];
-      const double weight = equation.weight * shareOf(residuals[i], typical);
+      const double weight = equation.weight * shareOf(residuals[i], fit.typical);
       normal.noalias() += weight * equation.design.transpose() * equation.design;
       right.noalias() += weight * equation.design.transpose() * equation.measured;
     }
     normal.diagonal() *= 1.0 + kRidge;
-    solution = normal.ldlt().solve(right);
-    if (!solution.allFinite()) return std::nullopt;
+    fit.solution = normal.ldlt().solve(right);
+    if (!fit.solution.allFinite()) return std::nullopt;
     for (std::size_t i = 0; i < equations.size(); ++i) {
       const Equation& equation = equations[i];
       residuals[i] =
-          std::sqrt(equation.weight) * (equation.measured - equation.design * solution).norm();
+          std::sqrt(equation.weight) * (equation.measured - equation.design * fit.solution).norm();
     }
+    fit.typical = median(residuals, 0.0);
   }
-  return solution;
+  return fit;
+}
+
+bool movesWithScene(const MovingPoint& moving, const Eigen::Vector2d& velocity, double typical) {
+  const Eigen::Vector2d& measured = moving.measured.velocity;
+  if (measured.isZero()) return true;  // seen once: nothing is known
+  return (measured - velocity).norm() <=
+         kOwnMotion * typical / std::sqrt(moving.weight) + kTruncation * measured.norm();
 }
 
 }  // namespace
@@ -118,17 +133,18 @@ std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& poin
     velocities.push_back(
         {*design, moving.measured.velocity, moving.weight, moving.measured.images});
   }
-  const std::optional<Vector6d> velocity = robustFit(velocities);
+  const std::optional<RobustFit> velocity = robustFit(velocities);
   if (!velocity) return std::nullopt;
   std::vector<Equation> accelerations;
   for (const MovingPoint& moving : points) {
     const std::optional<Matrix26d> design = designOf(moving, camera);
-    const auto steady = steadyAcceleration(moving, *velocity, camera);
+    const auto steady = steadyAcceleration(moving, velocity->solution, camera);
     if (!design || !steady || moving.measured.acceleration.isZero()) continue;
     accelerations.push_back(
         {*design, moving.measured.acceleration - *steady, moving.weight, moving.measured.images});
   }
-  return CameraMotion{*velocity, robustFit(accelerations).value_or(Vector6d::Zero())};
+  const RobustFit acceleration = robustFit(accelerations).value_or(RobustFit());
+  return CameraMotion{velocity->solution, acceleration.solution, velocity->typical};
 }
 
 std::optional<ImageMotion> imageMotion(const MovingPoint& point, const CameraMotion& motion,
@@ -136,7 +152,9 @@ std::optional<ImageMotion> imageMotion(const MovingPoint& point, const CameraMot
   const std::optional<Matrix26d> design = designOf(point, camera);
   const auto steady = steadyAcceleration(point, motion.velocity, camera);
   if (!design || !steady) return std::nullopt;
-  return ImageMotion{*design * motion.velocity, *design * motion.acceleration + *steady};
+  const Eigen::Vector2d velocity = *design * motion.velocity;
+  if (!movesWithScene(point, velocity, motion.typical_residual)) return std::nullopt;
+  return ImageMotion{velocity, *design * motion.acceleration + *steady};
 }
 
 }  // namespace camera_self_calibration

@@ -124,6 +124,24 @@ TEST(RigidMotion, GoesByTheFeaturesThatWereMeasuredInMostImages) {
   EXPECT_GT(rmsVelocityError(*most), 5.0) << "eight are too few to do without the others";
 }
 
+TEST(RigidMotion, HasNoneForWhatIsSeenToMoveOtherwise) {
+  Random random(7);
+  const auto motion = fitCameraMotion(movingPoints(kPoints, 2.0, &random), kCamera);
+  ASSERT_TRUE(motion);
+  MovingPoint at_camera = movingPoint(0);
+  at_camera.inverse_depth *= 1e6;
+  EXPECT_FALSE(imageMotion(at_camera, *motion, kCamera));
+  MovingPoint by_itself = movingPoint(1);
+  by_itself.measured.velocity *= -0.3;
+  EXPECT_FALSE(imageMotion(by_itself, *motion, kCamera));
+  MovingPoint slow = movingPoint(2);
+  slow.measured.velocity *= 0.8;  // by a polynomial that is too stiff
+  EXPECT_TRUE(imageMotion(slow, *motion, kCamera));
+  MovingPoint seen_once = movingPoint(3);
+  seen_once.measured = ImageMotion();
+  EXPECT_TRUE(imageMotion(seen_once, *motion, kCamera));
+}
+
 TEST(RigidMotion, NeedsPointsWhoseMotionIsKnown) {
   Random random(4);
   EXPECT_FALSE(fitCameraMotion(movingPoints(8, 0.0, &random), kCamera));

@@ -22,6 +22,9 @@ struct MovingPoint {
 struct CameraMotion {
   Vector6d velocity = Vector6d::Zero();      ///< [map unit/s, rad/s]
   Vector6d acceleration = Vector6d::Zero();  ///< [map unit/s^2, rad/s^2]
+  /// By how much the velocities of features differ from those that follow: the median over
+  /// features, each multiplied by the root of its weight [px/s].
+  double typical_residual = 0.0;
 };
 
 /// The motion of the camera before a rigid scene that explains the features' motions best, robust
@@ -31,7 +34,9 @@ struct CameraMotion {
 std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& points,
                                             const Camera& camera);
 
-/// The motion of a feature in the image that follows; nothing where the camera cannot project.
+/// The motion of a feature in the image that follows. Nothing where the camera cannot project, and
+/// where the feature was seen to move otherwise: it has a motion of its own or a depth that is
+/// wrong, and one that seems to be at the camera would move without bounds.
 std::optional<ImageMotion> imageMotion(const MovingPoint& point, const CameraMotion& motion,
                                        const Camera& camera);
 
