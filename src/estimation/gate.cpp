@@ -9,6 +9,7 @@
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/transfer.h"
+#include "camera_self_calibration/map/segment_edit.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -97,26 +98,6 @@ std::vector<int> grossMisfits(const SegmentBlock& block, const Camera& camera, d
     if (gross[l] != 0) result.push_back(static_cast<int>(l));
   }
   return result;
-}
-
-void removeLandmarks(const std::vector<int>& landmarks, Segment* segment) {
-  std::vector<int> new_index(segment->landmarks.size(), 0);
-  for (const int l : landmarks) new_index[l] = -1;
-  int next = 0;
-  for (std::size_t l = 0; l < new_index.size(); ++l) {
-    if (new_index[l] < 0) continue;
-    segment->landmarks[next] = segment->landmarks[l];
-    new_index[l] = next++;
-  }
-  segment->landmarks.resize(next);
-  auto& observations = segment->observations;
-  observations.erase(
-      std::remove_if(observations.begin(), observations.end(),
-                     [&](const Observation& o) { return new_index[o.landmark] < 0; }),
-      observations.end());
-  for (Observation& observation : observations) {
-    observation.landmark = new_index[observation.landmark];
-  }
 }
 
 namespace {

@@ -11,6 +11,7 @@
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/map/segment_edit.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -190,13 +191,16 @@ ChangeVerdict ChangeDetector::examineCandidate(const Segment& window, const Cand
 ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_keyframes,
                                             const Reference& reference) const {
   ChangeVerdict verdict;
-  // A suspicion is not exact, and a single keyframe on the wrong side hides the change.
+  double allowed = limit();
+  // A suspicion is not exact, and a single keyframe on the wrong side hides the change. The best of
+  // several dates has as many chances to look like one (Bonferroni).
   if (earlier_keyframes > 0) {
+    allowed /= kSuspectedLate + 1 + kSuspectedEarly;
     earlier_keyframes = dateLensChange(window, reference, earlier_keyframes - kSuspectedLate,
                                        earlier_keyframes + kSuspectedEarly);
   }
   LensChange change = testLensChange(window, earlier_keyframes, reference);
-  if (change.usable && change.p_value < limit()) {
+  if (change.usable && change.p_value < allowed) {
     const int dated = dateLensChange(window, reference);
     if (dated != earlier_keyframes) change = testLensChange(window, dated, reference);
     earlier_keyframes = dated;
@@ -209,7 +213,7 @@ ChangeVerdict ChangeDetector::examineWindow(const Segment& window, int earlier_k
   if (change.residual_scale > kMaxMisfit * usual_residual_scale_) {
     verdict.kind = Kind::kBadData;
     verdict.reason = "the tracks fit no lens well";
-  } else if (change.p_value < limit() && later >= kMinLaterKeyframes) {
+  } else if (change.p_value < allowed && later >= kMinLaterKeyframes) {
     verdict.kind = Kind::kChange;
     verdict.reason = withP("the lens changed", change.p_value);
     verdict.onset_ns = window.keyframes[earlier_keyframes].stamp_ns;

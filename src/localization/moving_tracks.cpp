@@ -33,22 +33,25 @@ double residualPx(const Camera& camera, const Rigid3& pose, const PointView& vie
   return (view.pixel - pixel).norm();
 }
 
-// The least residual over all depths in front of the reference, by Gauss-Newton from the guess.
+// The least residual over all depths in front of the reference, by Gauss-Newton in the inverse
+// depth from the guess.
 double residualAtAnyDepthPx(const Camera& camera, const Rigid3& pose, const PointView& view) {
   const double delta = kParallaxStep / (view.origin - pose.translation).norm();
-  double depth = view.inverse_depth;
-  double least = std::min(residualPx(camera, pose, view, depth), residualPx(camera, pose, view, 0));
+  double inverse_depth = view.inverse_depth;
+  double least =
+      std::min(residualPx(camera, pose, view, inverse_depth), residualPx(camera, pose, view, 0));
   for (int i = 0; i < kDepthSteps; ++i) {
     Eigen::Vector2d pixel;
     Eigen::Vector2d beside;
-    if (!predict(camera, pose, view, depth, &pixel) ||
-        !predict(camera, pose, view, depth + delta, &beside)) {
+    if (!predict(camera, pose, view, inverse_depth, &pixel) ||
+        !predict(camera, pose, view, inverse_depth + delta, &beside)) {
       break;
     }
     const Eigen::Vector2d slope = (beside - pixel) / delta;
     if (!(slope.squaredNorm() > 0.0) || !slope.allFinite()) break;
-    depth = std::max(0.0, depth + slope.dot(view.pixel - pixel) / slope.squaredNorm());
-    least = std::min(least, residualPx(camera, pose, view, depth));
+    inverse_depth =
+        std::max(0.0, inverse_depth + slope.dot(view.pixel - pixel) / slope.squaredNorm());
+    least = std::min(least, residualPx(camera, pose, view, inverse_depth));
   }
   return least;
 }

@@ -11,6 +11,7 @@
 #include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
+#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {
@@ -25,7 +26,6 @@ constexpr double kMaxPoseSigma = 0.05;      // [median depths]
 constexpr int kMaxSamples = 150;
 constexpr double kMissed = 1e-3;  // probability that no sample was free of wrong matches
 constexpr int kSampleSize = 4;
-constexpr double kHuber = 2.0;
 // A pose has six degrees of freedom: it can be made to agree with three features, whatever these
 // are.
 constexpr int kFitted = 3;
@@ -102,7 +102,7 @@ PoseEstimate poseFrom(const std::vector<SeenAgain>& seen, const Rigid3& guess,
                       const Camera& camera) {
   std::vector<PointView> views;
   for (const SeenAgain& one : seen) views.push_back(viewOf(one, kTolerance / 3.0 * camera.width()));
-  return solvePose(camera, views, guess, kHuber, 15);
+  return solvePose(camera, views, guess, kHuberThreshold, 15);
 }
 
 // Matches that agree with a pose found from a few of them: the largest such set.

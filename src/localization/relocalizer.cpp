@@ -40,10 +40,10 @@ void addLogScales(const RecognizedPlace& place, const Rigid3& new_from_camera, c
   for (const SeenAgain& seen : place.seen) {
     const auto now = map.points().find(seen.track_id);
     if (now == map.points().end() || now->second.sightings.size() < kMinSightings) continue;
-    const auto new_depth = map.inverseDepthFrom(new_from_camera, now->second, camera);
-    const double old_depth = inverseDistance(seen.point, place.old_from_camera.translation);
-    if (new_depth && *new_depth > 0.0 && old_depth > 0.0) {
-      values->push_back(std::log(*new_depth / old_depth));
+    const auto new_inverse = map.inverseDepthFrom(new_from_camera, now->second, camera);
+    const double old_inverse = inverseDistance(seen.point, place.old_from_camera.translation);
+    if (new_inverse && *new_inverse > 0.0 && old_inverse > 0.0) {
+      values->push_back(std::log(*new_inverse / old_inverse));
     }
   }
 }

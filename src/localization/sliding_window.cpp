@@ -8,6 +8,7 @@
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/localization/moving_tracks.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/tracking/image_motion.h"
 
 namespace camera_self_calibration {
@@ -37,40 +38,6 @@ std::vector<int> seenByFixedAlone(const Segment& segment, int fixed_keyframes) {
 }
 
 int newest(const Segment& segment) { return static_cast<int>(segment.keyframes.size()) - 1; }
-
-std::vector<const Landmark*> seenIn(int k, const Segment& segment) {
-  std::vector<const Landmark*> seen;
-  for (const Landmark& landmark : segment.landmarks) {
-    if (landmark.anchored && landmark.reference == k) seen.push_back(&landmark);
-  }
-  for (const Observation& observation : segment.observations) {
-    if (observation.keyframe == k) seen.push_back(&segment.landmarks[observation.landmark]);
-  }
-  return seen;
-}
-
-// In keyframe `k`, of the landmarks that are seen there.
-double inverseDepthAt(int k, const Segment& segment) {
-  std::vector<double> depths;
-  for (const Landmark* landmark : seenIn(k, segment)) {
-    depths.push_back(transferInverseDepth(segment.keyframes[landmark->reference].world_from_camera,
-                                          landmark->bearing, landmark->inverse_depth,
-                                          segment.keyframes[k].world_from_camera));
-  }
-  return typicalInverseDepth(std::move(depths));
-}
-
-// Moves and scales a segment so that keyframe `k` has this pose and typical inverse depth.
-void keepPoseAndDepth(int k, const Rigid3& pose, double inverse_depth, Segment* segment) {
-  const Rigid3 solved = segment->keyframes[k].world_from_camera;
-  const double scale = inverseDepthAt(k, *segment) / inverse_depth;
-  for (Keyframe& keyframe : segment->keyframes) {
-    Rigid3 kept_from_camera = solved.inverse() * keyframe.world_from_camera;
-    kept_from_camera.translation *= scale;
-    keyframe.world_from_camera = pose * kept_from_camera;
-  }
-  for (Landmark& landmark : segment->landmarks) landmark.inverse_depth /= scale;
-}
 
 SolverOptions windowSolver() {
   SolverOptions options;
@@ -142,7 +109,7 @@ void SlidingWindow::solveUnconditioned() {
   Segment segment = map_.lastKeyframes(options_.active_keyframes, camera_);
   if (segment.landmarks.empty()) return;
   const Rigid3 pose = newestPose();
-  const double inverse_depth = inverseDepthAt(newest(segment), segment);
+  const double inverse_depth = typicalInverseDepthAt(newest(segment), segment);
   Problem problem{&camera_, false, {freeBlock(&segment, camera_)}};
   problem.blocks[0].depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};
   if (!solve(problem, windowSolver()).usable) return;
@@ -159,23 +126,23 @@ void SlidingWindow::reseed(const Segment& solution) {
   const Keyframe* kept = map_.keyframe(solution.keyframes[k].id);
   if (kept == nullptr) return;
   Segment known = solution;
-  keepPoseAndDepth(k, kept->world_from_camera, medianDepthOf(solution, k, *kept), &known);
+  keepPoseAndDepth(k, kept->world_from_camera, medianInverseDepthOf(solution, k, *kept), &known);
   takeGeneration(&known);
   map_.update(known);
 }
 
-// Over just the points that inverseDepthAt looks at: others would shift the median and, one
+// Over just the points that typicalInverseDepthAt looks at: others would shift the median and, one
 // reseeding after the other, let the scale run away.
-double SlidingWindow::medianDepthOf(const Segment& solution, int k,
-                                    const Keyframe& keyframe) const {
-  std::vector<double> depths;
-  for (const Landmark* landmark : seenIn(k, solution)) {
+double SlidingWindow::medianInverseDepthOf(const Segment& solution, int k,
+                                           const Keyframe& keyframe) const {
+  std::vector<double> inverse_depths;
+  for (const Landmark* landmark : landmarksSeenIn(k, solution)) {
     const auto found = map_.points().find(landmark->track_id);
     if (found == map_.points().end()) continue;
-    const auto depth = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
-    if (depth) depths.push_back(*depth);
+    const auto known = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
+    if (known) inverse_depths.push_back(*known);
   }
-  return typicalInverseDepth(std::move(depths));
+  return typicalInverseDepth(std::move(inverse_depths));
 }
 
 std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Track& track) const {
@@ -274,30 +241,29 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
       tracks.push_back(track);
     }
   }
-  // New points start at the median depth of the points that the same view holds already.
-  std::vector<double> depths;
+  // New points start at the median inverse depth of the points that the same view holds already.
+  std::vector<double> inverse_depths;
   for (const Track& track : tracks) {
     const auto found = map_.points().find(track.id);
     if (found == map_.points().end()) continue;
     const auto known = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
-    if (known) depths.push_back(*known);
+    if (known) inverse_depths.push_back(*known);
   }
-  const double depth = typicalInverseDepth(std::move(depths));
-  map_.addKeyframe(keyframe, tracks, depth, camera_);
+  map_.addKeyframe(keyframe, tracks, typicalInverseDepth(std::move(inverse_depths)), camera_);
   std::vector<std::int64_t> outliers = solveWindow();
   outliers.insert(outliers.end(), at_odds.begin(), at_odds.end());
   return outliers;
 }
 
-void SlidingWindow::rememberDepth(const Segment& segment, int fixed_keyframes) {
-  const double depth = medianInverseDepth(segment, 0.0);
+void SlidingWindow::rememberInverseDepth(const Segment& segment, int fixed_keyframes) {
+  const double inverse_depth = medianInverseDepth(segment, 0.0);
   const Eigen::Vector3d newest = segment.keyframes.back().world_from_camera.translation;
   double baseline = 0.0;
   for (std::size_t k = fixed_keyframes; k < segment.keyframes.size(); ++k) {
     const Eigen::Vector3d& position = segment.keyframes[k].world_from_camera.translation;
     baseline = std::max(baseline, (position - newest).norm());
   }
-  if (baseline * depth > kSeparatedPoses) told_inverse_depth_ = depth;
+  if (baseline * inverse_depth > kSeparatedPoses) told_inverse_depth_ = inverse_depth;
 }
 
 std::vector<std::int64_t> SlidingWindow::solveWindow() {
@@ -311,14 +277,14 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
     const double baseline = (segment.keyframes[0].world_from_camera.translation -
                              segment.keyframes[conditioning - 1].world_from_camera.translation)
                                 .norm();
-    const double depth = inverseDepthAt(newest(segment), segment);
-    if (baseline * depth > kSeparatedPoses) block.fixed_landmark = -1;
+    const double inverse_depth = typicalInverseDepthAt(newest(segment), segment);
+    if (baseline * inverse_depth > kSeparatedPoses) block.fixed_landmark = -1;
     block.fixed_keyframes = conditioning;
   }
   block.depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};
   if (!solve({&camera_, false, {block}}, windowSolver()).usable) return outlier_ids;
   map_.update(segment);
-  rememberDepth(segment, conditioning);
+  rememberInverseDepth(segment, conditioning);
   if (!trusted_) return outlier_ids;
   block.sigma_scale = std::max(1.0, medianResidualScale(block, camera_));
   const double min_px = options_.gross_residual_share * camera_.width();

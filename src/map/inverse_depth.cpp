@@ -15,20 +15,41 @@ double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector
 }
 
 double typicalInverseDepth(std::vector<double> inverse_depths) {
-  for (double& depth : inverse_depths) depth = std::abs(depth);
+  for (double& value : inverse_depths) value = std::abs(value);
   const double middle = median(std::move(inverse_depths), 1.0);
   return middle > 0.0 ? middle : 1.0;
 }
 
 std::vector<double> inverseDepths(const Segment& segment) {
-  std::vector<double> depths;
-  depths.reserve(segment.landmarks.size());
-  for (const Landmark& landmark : segment.landmarks) depths.push_back(landmark.inverse_depth);
-  return depths;
+  std::vector<double> values;
+  values.reserve(segment.landmarks.size());
+  for (const Landmark& landmark : segment.landmarks) values.push_back(landmark.inverse_depth);
+  return values;
 }
 
 double medianInverseDepth(const Segment& segment, double fallback) {
   return median(inverseDepths(segment), fallback);
+}
+
+std::vector<const Landmark*> landmarksSeenIn(int k, const Segment& segment) {
+  std::vector<const Landmark*> seen;
+  for (const Landmark& landmark : segment.landmarks) {
+    if (landmark.anchored && landmark.reference == k) seen.push_back(&landmark);
+  }
+  for (const Observation& observation : segment.observations) {
+    if (observation.keyframe == k) seen.push_back(&segment.landmarks[observation.landmark]);
+  }
+  return seen;
+}
+
+double typicalInverseDepthAt(int k, const Segment& segment) {
+  std::vector<double> inverse_depths;
+  for (const Landmark* landmark : landmarksSeenIn(k, segment)) {
+    inverse_depths.push_back(transferInverseDepth(
+        segment.keyframes[landmark->reference].world_from_camera, landmark->bearing,
+        landmark->inverse_depth, segment.keyframes[k].world_from_camera));
+  }
+  return typicalInverseDepth(std::move(inverse_depths));
 }
 
 }  // namespace camera_self_calibration

@@ -229,15 +229,15 @@ std::optional<double> Map::inverseDepthFrom(const Rigid3& world_from_camera, con
 }
 
 double Map::medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) const {
-  std::vector<double> depths;
+  std::vector<double> inverse_depths;
   const Keyframe* other = keyframe(keyframe_id);
   if (other == nullptr) return 1.0;
   for (const auto& [track_id, point] : points_) {
     if (sightingIn(point, keyframe_id) == nullptr) continue;
-    const auto depth = inverseDepthFrom(other->world_from_camera, point, camera);
-    if (depth) depths.push_back(*depth);
+    const auto known = inverseDepthFrom(other->world_from_camera, point, camera);
+    if (known) inverse_depths.push_back(*known);
   }
-  const double middle = median(std::move(depths), 1.0);
+  const double middle = median(std::move(inverse_depths), 1.0);
   return middle > 0.0 ? middle : 1.0;
 }
 

@@ -11,9 +11,6 @@
 namespace camera_self_calibration {
 namespace {
 
-// rms uncertainty over image width above which an estimate tells nothing of the lens.
-constexpr double kUselessShare = 0.03;
-
 struct Hypothesis {
   CameraModel model;
   bool with_k3;
@@ -80,7 +77,7 @@ class Trials {
   }
 
   bool isUseful(double error) const {
-    return error < square(kUselessShare * trials_.front().camera.width());
+    return error < square(kUselessUncertaintyShare * trials_.front().camera.width());
   }
 
   std::vector<ModelEvidence> evidence(const std::string& chosen, double variance) const {

@@ -11,11 +11,11 @@ namespace {
 
 // Keyframes after which an estimate that is still unobserved is called degenerate.
 constexpr int kKeyframesToJudge = 12;
-// Scaled eigenvalue below which a direction counts as not observed at all.
-constexpr double kUnobservedEigenvalue = 1e-7;
-// rms uncertainty over image width that tells nothing about a lens: translation alone feigns 0.025
-// to 0.1 in a batch, by noise in the estimated rotations.
-constexpr double kUselessUncertaintyShare = 0.02;
+// Uncertainty over image width, rms, from which on the verdict asks for another motion. Below
+// kUselessUncertaintyShare, by which the calibrator decides what it uses: translation alone feigns
+// 0.025 to 0.1 in a batch, by noise in the estimated rotations. Such an estimate may be used, but
+// nobody should be told that it converges.
+constexpr double kDegenerateUncertaintyShare = 0.02;
 // CONVERGED is left when the uncertainty exceeds the limit by more than it is known to: the scatter
 // of a few segments, some eight degrees of freedom, tells a standard deviation to a quarter of it,
 // and this is twice that.
@@ -46,7 +46,7 @@ std::string limitToLeave(const HealthEvidence& evidence) {
 
 bool isUnobserved(const HealthEvidence& evidence, const Camera& camera) {
   if (!evidence.has_estimate || evidence.information.size() == 0) return false;
-  return !(evidence.uncertainty.rms < kUselessUncertaintyShare * camera.width()) ||
+  return !(evidence.uncertainty.rms < kDegenerateUncertaintyShare * camera.width()) ||
          !(scaledEigenvalues(evidence.information)(0) > kUnobservedEigenvalue);
 }
 

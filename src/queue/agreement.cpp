@@ -4,7 +4,6 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segments.h"
@@ -86,25 +85,6 @@ std::optional<QuadraticLikelihood> likelihoodAt(const Camera& camera, const Segm
   const QuadraticLikelihood likelihood = linearized(problem.blocks[0], camera);
   if (!likelihood.gradient.allFinite() || !likelihood.information.allFinite()) return std::nullopt;
   return likelihood;
-}
-
-Segment restarted(const Segment& segment, const Segment& start) {
-  Segment result = segment;
-  std::map<std::int64_t, const Keyframe*> keyframes;
-  for (const Keyframe& keyframe : start.keyframes) keyframes[keyframe.id] = &keyframe;
-  for (Keyframe& keyframe : result.keyframes) {
-    const auto found = keyframes.find(keyframe.id);
-    if (found != keyframes.end()) keyframe.world_from_camera = found->second->world_from_camera;
-  }
-  std::map<std::int64_t, const Landmark*> landmarks;
-  for (const Landmark& landmark : start.landmarks) landmarks[landmark.track_id] = &landmark;
-  for (Landmark& landmark : result.landmarks) {
-    const auto found = landmarks.find(landmark.track_id);
-    if (found == landmarks.end() || found->second->reference != landmark.reference) continue;
-    landmark.bearing = found->second->bearing;
-    landmark.inverse_depth = found->second->inverse_depth;
-  }
-  return result;
 }
 
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,

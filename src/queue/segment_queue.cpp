@@ -7,6 +7,7 @@
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/queue/agreement.h"
 
 namespace camera_self_calibration {

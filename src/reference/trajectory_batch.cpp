@@ -11,7 +11,7 @@
 namespace camera_self_calibration {
 namespace {
 
-// A stretch with fewer does not hold together.
+// A part with fewer does not hold together.
 constexpr std::size_t kMinKeyframes = 5;
 constexpr std::size_t kMinLandmarks = 20;
 
@@ -57,7 +57,7 @@ BatchEstimate TrajectoryBatch::solve(const Camera& start, int threads) {
   BatchEstimate estimate;
   estimate.camera = start;
   estimate.keyframes = trajectory_.keyframes();
-  std::vector<Segment> segments = trajectory_.stretches();
+  std::vector<Segment> segments = trajectory_.parts();
   const SegmentFitOptions fit;  // the queue's gates
   BatchOptions options;
   options.huber = fit.huber;

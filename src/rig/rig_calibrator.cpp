@@ -258,17 +258,18 @@ void RigCalibrator::alignScales() {
   for (const Stretch& stretch : used_) frames[map_of(stretch)] += stretch.size();
   const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
   const auto most = std::max_element(frames.begin(), frames.end(), fewer);
-  std::map<std::uint64_t, std::vector<double>> depths;
+  std::map<std::uint64_t, std::vector<double>> inverse_depths;
   for (std::size_t s = 0; s < segments_.size(); ++s) {
-    std::vector<double>& of_map = depths[map_of(used_[s])];
+    std::vector<double>& of_map = inverse_depths[map_of(used_[s])];
     const std::vector<double> more = inverseDepths(segments_[s].tracks.front());
     of_map.insert(of_map.end(), more.begin(), more.end());
   }
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     const std::uint64_t map = map_of(used_[s]);
     if (map == most->first) continue;
-    scaleSegment(typicalInverseDepth(depths[map]) / typicalInverseDepth(depths[most->first]),
-                 &segments_[s]);
+    scaleSegment(
+        typicalInverseDepth(inverse_depths[map]) / typicalInverseDepth(inverse_depths[most->first]),
+        &segments_[s]);
   }
 }
 

@@ -87,10 +87,10 @@ void Scene::merge(const Similarity3& into_from_left, Content left, Content* into
     point.position = into_from_left * point.position;
     into->landmarks.emplace(id, point);
   }
-  for (auto& [sequence, positions] : left.stretches) {
-    if (positions.size() <= into->stretches[sequence].size()) continue;
+  for (auto& [sequence, positions] : left.segment_positions) {
+    if (positions.size() <= into->segment_positions[sequence].size()) continue;
     for (Eigen::Vector3d& position : positions) position = into_from_left * position;
-    into->stretches[sequence] = positions;
+    into->segment_positions[sequence] = positions;
   }
   for (Occurrence& occurrence : left.events) {
     occurrence.position = into_from_left * occurrence.position;
@@ -100,10 +100,10 @@ void Scene::merge(const Similarity3& into_from_left, Content left, Content* into
   into->world_from_camera = into_from_left * left.world_from_camera;
 }
 
-// A thinned trajectory would leave little of a segment, so its stretch is kept at its longest.
+// A thinned trajectory would leave little of a segment, so its longest list of positions is kept.
 void Scene::add(const CalibrationReport& report) {
   report_ = report;
-  auto& stretches = maps_.present().stretches;
+  auto& known_positions = maps_.present().segment_positions;
   std::map<std::int64_t, std::vector<Eigen::Vector3d>> kept;
   for (const SegmentReport& segment : report.queue.segments) {
     std::vector<Eigen::Vector3d> positions;
@@ -111,20 +111,20 @@ void Scene::add(const CalibrationReport& report) {
       if (keyframe.stamp_ns < segment.begin_ns || keyframe.stamp_ns > segment.end_ns) continue;
       positions.push_back(keyframe.world_from_camera.translation);
     }
-    const auto known = stretches.find(segment.sequence);
+    const auto known = known_positions.find(segment.sequence);
     const bool known_is_longer =
-        known != stretches.end() && known->second.size() > positions.size();
+        known != known_positions.end() && known->second.size() > positions.size();
     kept[segment.sequence] = known_is_longer ? known->second : positions;
   }
-  stretches.swap(kept);
+  known_positions.swap(kept);
 }
 
-std::vector<Scene::Stretch> Scene::queue() const {
-  const auto& stretches = maps_.present().stretches;
-  std::vector<Stretch> all;
+std::vector<Scene::QueueSegment> Scene::queue() const {
+  const auto& known_positions = maps_.present().segment_positions;
+  std::vector<QueueSegment> all;
   for (const SegmentReport& segment : report_.queue.segments) {
-    const auto found = stretches.find(segment.sequence);
-    if (found == stretches.end() || found->second.size() < 2) continue;
+    const auto found = known_positions.find(segment.sequence);
+    if (found == known_positions.end() || found->second.size() < 2) continue;
     all.push_back({found->second, scoreShare(segment, report_.queue)});
   }
   return all;

@@ -39,9 +39,25 @@ std_msgs::ColorRGBA toColour(const Colour& bgr, double alpha = 1.0) {
   return colour;
 }
 
+/// For people who have not read the manual, and short: it stands in the scene.
 std::string labelOf(const Event& event) {
-  if (event.type != EventType::kCalibrationChange) return toString(event.type);
-  return toString(event.type) + formatted(" by %.2g px", event.magnitude_px);
+  switch (event.type) {
+    case EventType::kCalibrationChange:
+      return formatted("the lens changed by %.2g px", event.magnitude_px);
+    case EventType::kHandover:
+      return "startup has ended";
+    case EventType::kConverged:
+      return "calibrated";
+    case EventType::kLost:
+      return "tracking lost";
+    case EventType::kRelocalized:
+      return "place recognised";
+    case EventType::kInput:
+      return "input: see /diagnostics";
+    case EventType::kMountChanged:
+      return "the mount changed";
+  }
+  return "";
 }
 
 /// Makes the markers of one scene.
@@ -121,11 +137,11 @@ class Painter {
 
   Marker queue() const {
     Marker marker = empty("queue", Marker::LINE_LIST, kThick, Colour(255, 255, 255));
-    for (const Scene::Stretch& stretch : scene_.queue()) {
-      const std_msgs::ColorRGBA colour = toColour(scoreColour(stretch.score));
-      for (std::size_t i = 0; i + 1 < stretch.positions.size(); ++i) {
-        marker.points.push_back(toPoint(stretch.positions[i]));
-        marker.points.push_back(toPoint(stretch.positions[i + 1]));
+    for (const Scene::QueueSegment& segment : scene_.queue()) {
+      const std_msgs::ColorRGBA colour = toColour(scoreColour(segment.score));
+      for (std::size_t i = 0; i + 1 < segment.positions.size(); ++i) {
+        marker.points.push_back(toPoint(segment.positions[i]));
+        marker.points.push_back(toPoint(segment.positions[i + 1]));
         marker.colors.insert(marker.colors.end(), 2, colour);
       }
     }

@@ -10,14 +10,15 @@
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
 #include "camera_self_calibration/estimation/rigid_gate.h"
+#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/inverse_depth.h"
+#include "camera_self_calibration/map/segment_edit.h"
 
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kHuber = 2.0;
 // Until there are so many, poses are not known well enough to tell what moves.
 constexpr int kTellingKeyframes = 3;
 constexpr int kGatingRounds = 2;
@@ -38,8 +39,8 @@ std::vector<PointView> viewsOf(const Segment& segment, int k, const Camera& came
   return views;
 }
 
-double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
-  std::vector<double> depths;
+double medianInverseDepthAt(const Segment& segment, int k, const Camera& camera) {
+  std::vector<double> inverse_depths;
   for (const Observation& observation : segment.observations) {
     const Landmark& landmark = segment.landmarks[observation.landmark];
     Eigen::Vector3d ray;
@@ -47,11 +48,11 @@ double medianDepthAt(const Segment& segment, int k, const Camera& camera) {
         !landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr)) {
       continue;
     }
-    depths.push_back(transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera,
-                                          ray, landmark.inverse_depth,
-                                          segment.keyframes[k].world_from_camera));
+    inverse_depths.push_back(
+        transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera, ray,
+                             landmark.inverse_depth, segment.keyframes[k].world_from_camera));
   }
-  return typicalInverseDepth(std::move(depths));
+  return typicalInverseDepth(std::move(inverse_depths));
 }
 
 void restartRunawayDepths(double max_ratio, Segment* segment) {
@@ -63,62 +64,17 @@ void restartRunawayDepths(double max_ratio, Segment* segment) {
   }
 }
 
-}  // namespace
-
-bool ranAway(const Camera& camera) {
-  // Of the image width: a lens that sees all around (2 pi) in a circle over a third of the image.
-  constexpr double kShortestFocal = 0.05;
-  return !camera.valid() ||
-         camera.parameters().head<2>().minCoeff() < kShortestFocal * camera.width();
-}
-
-Segment prefixOf(const Segment& segment, int keyframes, int min_views,
-                 std::vector<int>* landmark_index) {
-  Segment prefix;
-  prefix.sequence = segment.sequence;
-  prefix.earlier_camera = segment.earlier_camera;
-  prefix.earlier_keyframes = std::min(segment.earlier_keyframes, keyframes);
-  prefix.keyframes.assign(segment.keyframes.begin(), segment.keyframes.begin() + keyframes);
-  std::vector<int> views(segment.landmarks.size(), 0);
-  for (const Observation& observation : segment.observations) {
-    views[observation.landmark] += observation.keyframe < keyframes;
-  }
-  std::vector<int> new_index(segment.landmarks.size(), -1);
-  landmark_index->clear();
-  for (std::size_t l = 0; l < segment.landmarks.size(); ++l) {
-    const int needed = min_views + (segment.landmarks[l].anchored ? 0 : 1);
-    if (segment.landmarks[l].reference >= keyframes || views[l] < needed) continue;
-    new_index[l] = static_cast<int>(prefix.landmarks.size());
-    prefix.landmarks.push_back(segment.landmarks[l]);
-    landmark_index->push_back(static_cast<int>(l));
-  }
-  for (Observation observation : segment.observations) {
-    if (observation.keyframe >= keyframes || new_index[observation.landmark] < 0) continue;
-    observation.landmark = new_index[observation.landmark];
-    prefix.observations.push_back(observation);
-  }
-  return prefix;
-}
-
-void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, Segment* segment) {
-  std::copy(prefix.keyframes.begin(), prefix.keyframes.end(), segment->keyframes.begin());
-  for (std::size_t l = 0; l < landmark_index.size(); ++l) {
-    segment->landmarks[landmark_index[l]] = prefix.landmarks[l];
-  }
-}
-
-namespace {
-
 // A first pose and first depths for keyframe `k`.
 void placeKeyframe(int k, const Camera& camera, Segment* segment) {
   auto& keyframes = segment->keyframes;
   Rigid3& pose = keyframes[k].world_from_camera;
   pose = keyframes[k - 1].world_from_camera;
-  const PoseEstimate solved = solvePose(camera, viewsOf(*segment, k, camera), pose, kHuber, 20);
+  const PoseEstimate solved =
+      solvePose(camera, viewsOf(*segment, k, camera), pose, kHuberThreshold, 20);
   if (solved.usable) pose = solved.world_from_camera;
-  const double depth = medianDepthAt(*segment, k, camera);
+  const double inverse_depth = medianInverseDepthAt(*segment, k, camera);
   for (Landmark& landmark : segment->landmarks) {
-    if (landmark.reference == k) landmark.inverse_depth = depth;
+    if (landmark.reference == k) landmark.inverse_depth = inverse_depth;
   }
 }
 
@@ -158,7 +114,6 @@ Part rigidPart(const GrowthOptions& options, const Camera& camera, Segment* whol
 void solvePrefix(const GrowthOptions& options, Segment* prefix, Camera* camera) {
   const int k = static_cast<int>(prefix->keyframes.size()) - 1;
   SolverOptions solver;
-  solver.huber = kHuber;
   // A long batch moves little by one keyframe more.
   solver.max_iterations = k < 12 ? 12 : 6;
   solver.step_tolerance = 1e-2;
@@ -176,6 +131,13 @@ void solvePrefix(const GrowthOptions& options, Segment* prefix, Camera* camera) 
 
 }  // namespace
 
+bool ranAway(const Camera& camera) {
+  // Of the image width: a lens that sees all around (2 pi) in a circle over a third of the image.
+  constexpr double kShortestFocal = 0.05;
+  return !camera.valid() ||
+         camera.parameters().head<2>().minCoeff() < kShortestFocal * camera.width();
+}
+
 double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera) {
   placeKeyframe(k, *camera, segment);
   std::vector<int> landmark_index;
@@ -191,7 +153,7 @@ double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Cam
     solved = std::move(part.landmark_index);
   }
   adoptPrefix(grown, landmark_index, segment);
-  return robustCost(freeBlock(&grown, *camera), *camera, kHuber);
+  return robustCost(freeBlock(&grown, *camera), *camera, kHuberThreshold);
 }
 
 double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera) {

@@ -6,13 +6,13 @@
 #include <map>
 #include <utility>
 
-#include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/rigid_gate.h"
+#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/queue/segment_fit.h"
 #include "camera_self_calibration/queue/weak_directions.h"
-#include "camera_self_calibration/startup/connection.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -23,19 +23,11 @@ constexpr int kNewBatchKeyframes = 12;  // at most, where one begins again
 // A full batch is solved again when this share more keyframes came: its uncertainty can then be by
 // half that share smaller.
 constexpr double kWorthASolve = 0.1;
-constexpr int kMostNew = 3;  // or when so great a part of it is new
-constexpr double kHuber = 2.0;
+constexpr int kMostNew = 3;                         // or when so great a part of it is new
 const double kHalfTheInformation = std::sqrt(2.0);  // in sigmas
 constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
 // Of the likelihood ratio that k3 needs: promised to first order, it may turn out twice as large.
 constexpr double kWorthAFit = 0.5;
-
-Segment newestKeyframes(const Segment& segment, int count) {
-  std::vector<char> keep(segment.keyframes.size(), 1);
-  const int left_out = static_cast<int>(keep.size()) - count;
-  for (int k = 0; k < left_out; ++k) keep[k] = 0;
-  return onlyKeyframes(segment, keep);
-}
 
 int countAfter(std::int64_t id, const Segment& segment) {
   return static_cast<int>(
@@ -47,23 +39,9 @@ int countAfter(std::int64_t id, const Segment& segment) {
 double promisedByK3(Segment segment, Camera camera) {
   camera.setEstimateK3(true);
   const Problem problem{&camera, true, {freeBlock(&segment, camera)}};
-  const Marginal marginal = marginalize(problem, kHuber, 1);
+  const Marginal marginal = marginalize(problem, kHuberThreshold, 1);
   const double step = marginal.remainingStep();
   return step * step / std::max(1.0, marginal.designEffect());
-}
-
-// What the segment holds of the lens of its newest keyframes, in so many parts.
-std::vector<Segment> partsOfPresentLens(const Segment& segment, std::size_t count) {
-  const std::size_t begin = segment.earlier_camera ? segment.earlier_keyframes : 0;
-  const std::size_t end = segment.keyframes.size();
-  std::vector<Segment> parts;
-  for (std::size_t part = 0; part < count; ++part) {
-    std::vector<char> keep(end, 0);
-    const std::size_t last = begin + (part + 1) * (end - begin) / count;
-    for (std::size_t k = begin + part * (end - begin) / count; k < last; ++k) keep[k] = 1;
-    parts.push_back(onlyKeyframes(segment, keep));
-  }
-  return parts;
 }
 
 // Whether the newest solved keyframe is among those of the history.

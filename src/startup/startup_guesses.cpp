@@ -6,7 +6,9 @@
 #include <vector>
 
 #include "camera_self_calibration/estimation/gauge.h"
+#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/startup/startup.h"
 
 namespace camera_self_calibration {
@@ -15,7 +17,6 @@ namespace {
 constexpr int kComparedKeyframes = 12;  // at most, in the comparison of guesses
 constexpr int kRetryBudget = 24;        // keyframes grown from other guesses with each new one
 constexpr double kClearlyLess = 0.98;   // of a cost: another minimum, not the same one again
-constexpr double kHuber = 2.0;
 
 // Default guesses of the model of `initial`, but with other focal lengths.
 std::vector<Camera> otherGuesses(const Camera& initial) {
@@ -74,8 +75,9 @@ Startup::Trial Startup::tryGuess(const Camera& guess) const {
   const int all = static_cast<int>(segment_.keyframes.size());
   Trial trial;
   trial.segment = prefixOf(segment_, std::min(kComparedKeyframes, all), 1, &trial.landmark_index);
-  const double present = usable_ ? robustCost(freeBlock(&trial.segment, camera_), camera_, kHuber)
-                                 : std::numeric_limits<double>::infinity();
+  const double present =
+      usable_ ? robustCost(freeBlock(&trial.segment, camera_), camera_, kHuberThreshold)
+              : std::numeric_limits<double>::infinity();
   GrowthOptions growth = options_.growth;
   growth.prior = vaguePrior(guess);
   trial.camera = guess;

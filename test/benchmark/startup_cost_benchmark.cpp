@@ -17,9 +17,8 @@
 #include "benchmark/process_cost.h"
 #include "benchmark/program_arguments.h"
 #include "benchmark/random_lens.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/simulation/segment_maker.h"
-#include "camera_self_calibration/startup/growth.h"
-#include "camera_self_calibration/startup/keyframe_choice.h"
 #include "camera_self_calibration/startup/startup.h"
 
 namespace camera_self_calibration {

@@ -9,6 +9,7 @@
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/map.h"
+#include "camera_self_calibration/map/segment_edit.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -82,31 +82,6 @@ TEST(GrossMisfits, AreBeyondBothLimits) {
   EXPECT_TRUE(grossMisfits(wide, kCamera, 5.0, 1.4).empty());
 }
 
-TEST(RemoveLandmarks, KeepsTheOthersWhole) {
-  SimulatedSegment made = segmentOf(0.3, 5);
-  const Segment before = made.segment;
-  Segment after = before;
-  removeLandmarks({0, 7, 3}, &after);
-  EXPECT_EQ(after.landmarks.size(), before.landmarks.size() - 3);
-  std::size_t next = 0;
-  for (const Observation& o : before.observations) {
-    if (o.landmark == 0 || o.landmark == 7 || o.landmark == 3) continue;
-    ASSERT_LT(next, after.observations.size());
-    const Observation& kept = after.observations[next++];
-    EXPECT_EQ(kept.pixel, o.pixel);
-    EXPECT_EQ(kept.keyframe, o.keyframe);
-    EXPECT_EQ(after.landmarks[kept.landmark].track_id, before.landmarks[o.landmark].track_id);
-  }
-  EXPECT_EQ(next, after.observations.size());
-  removeLandmarks({}, &after);
-  EXPECT_EQ(next, after.observations.size());
-  std::vector<int> all(after.landmarks.size());
-  for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);
-  removeLandmarks(all, &after);
-  EXPECT_TRUE(after.landmarks.empty());
-  EXPECT_TRUE(after.observations.empty());
-}
-
 TEST(UnexplainedSigma, IsWhatTheSigmasLeaveOut) {
   double mean = 0.0;
   constexpr int kTrials = 10;

@@ -54,7 +54,7 @@ TEST(Degenerate, NothingIsPublishedThatIsNotKnown) {
 // Singular, yet informative: no class of motion is refused.
 TEST(Degenerate, TurningOnTheSpotConverges) {
   const DegenerateOutcome outcome =
-      runAndTell(trialOf(Degeneracy::kTurning, CameraModel::kPinhole, 9));
+      runAndTell(trialOf(Degeneracy::kTurning, CameraModel::kPinhole, 19));
   EXPECT_GE(outcome.converged_s, 0.0);
   EXPECT_LT(outcome.worst_ratio, 3.0);
   EXPECT_LT(outcome.worst_sigmas, 4.0);

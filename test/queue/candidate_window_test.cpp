@@ -6,8 +6,8 @@
 #include <cmath>
 #include <iostream>
 
-#include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "estimation/sample_segments.h"
 
 namespace camera_self_calibration {

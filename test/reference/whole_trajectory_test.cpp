@@ -78,34 +78,34 @@ TEST(WholeTrajectory, WindowsOfDifferentScaleMakeOneSegment) {
   for (int first = 0; first + 6 <= 14; ++first) {
     trajectory.add(windowOf(whole, first, 6, 1.0 + 0.2 * first));
   }
-  const std::vector<Segment> stretches = trajectory.stretches();
-  ASSERT_EQ(stretches.size(), 1u);
+  const std::vector<Segment> parts = trajectory.parts();
+  ASSERT_EQ(parts.size(), 1u);
   ASSERT_EQ(trajectory.keyframes(), 14);
   const Rigid3 origin = whole.keyframes.front().world_from_camera.inverse();
   for (int k = 0; k < 14; ++k) {
     const Rigid3 expected = origin * whole.keyframes[k].world_from_camera;
-    const Rigid3& got = stretches[0].keyframes[k].world_from_camera;
+    const Rigid3& got = parts[0].keyframes[k].world_from_camera;
     EXPECT_LT((got.translation - expected.translation).norm(), 1e-9) << k;
     EXPECT_LT(got.rotation.angularDistance(expected.rotation), 1e-9) << k;
   }
   // Every sighting once. One that no window holds beside another sighting is not to be had.
   std::map<std::pair<std::int64_t, int>, int> seen;
-  for (const Observation& observation : stretches[0].observations) {
-    ++seen[{stretches[0].landmarks[observation.landmark].track_id, observation.keyframe}];
+  for (const Observation& observation : parts[0].observations) {
+    ++seen[{parts[0].landmarks[observation.landmark].track_id, observation.keyframe}];
   }
   for (const auto& [key, count] : seen) EXPECT_EQ(count, 1) << key.first << " in " << key.second;
   EXPECT_GT(seen.size(), whole.observations.size() * 9 / 10);
 }
 
-TEST(WholeTrajectory, AWindowWithoutCommonKeyframesBeginsAStretch) {
+TEST(WholeTrajectory, AWindowWithoutCommonKeyframesBeginsAPart) {
   const Segment whole = inheritedOnly(BatchScene(kFov, 12, 60, 3), 0.0, 0);
   WholeTrajectory trajectory;
   trajectory.add(windowOf(whole, 0, 6, 1.0));
   trajectory.add(windowOf(whole, 6, 6, 1.0));
-  EXPECT_EQ(trajectory.stretches().size(), 2u);
+  EXPECT_EQ(trajectory.parts().size(), 2u);
   EXPECT_EQ(trajectory.keyframes(), 12);
   trajectory.add(Segment());
-  EXPECT_EQ(trajectory.stretches().size(), 2u);
+  EXPECT_EQ(trajectory.parts().size(), 2u);
 }
 
 TEST(TrajectoryBatch, FindsTheLensAndLeavesOutTracksThatDoNotFit) {

@@ -10,6 +10,7 @@
 
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/queue/segment_fit.h"
 #include "camera_self_calibration/startup/growth.h"
 #include "estimation/sample_segments.h"
@@ -381,31 +382,6 @@ TEST(Startup, BearsSegmentsWithoutContent) {
     EXPECT_FALSE(startup.usable());
   }
   EXPECT_TRUE(startup.camera().valid());
-}
-
-TEST(PrefixOf, IsWhatTheFirstKeyframesSaw) {
-  const SimulatedSegment made = longSegment(ordinaryCameras()[1], MotionKind::kHandheld, 1);
-  std::vector<int> index;
-  const Segment prefix = prefixOf(made.segment, 5, 2, &index);
-  EXPECT_EQ(prefix.keyframes.size(), 5u);
-  ASSERT_EQ(index.size(), prefix.landmarks.size());
-  std::vector<int> views(prefix.landmarks.size(), 0);
-  for (const Observation& o : prefix.observations) {
-    EXPECT_LT(o.keyframe, 5);
-    ++views[o.landmark];
-  }
-  for (std::size_t l = 0; l < prefix.landmarks.size(); ++l) {
-    EXPECT_GE(views[l], prefix.landmarks[l].anchored ? 2 : 3);
-    EXPECT_EQ(prefix.landmarks[l].track_id, made.segment.landmarks[index[l]].track_id);
-  }
-  Segment changed = prefix;
-  changed.keyframes[2].world_from_camera.translation.x() = 7.0;
-  changed.landmarks[0].inverse_depth = 0.123;
-  Segment whole = made.segment;
-  adoptPrefix(changed, index, &whole);
-  EXPECT_EQ(whole.keyframes[2].world_from_camera.translation.x(), 7.0);
-  EXPECT_EQ(whole.landmarks[index[0]].inverse_depth, 0.123);
-  EXPECT_EQ(whole.keyframes.size(), made.segment.keyframes.size());
 }
 
 }  // namespace

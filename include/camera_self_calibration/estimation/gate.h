@@ -29,10 +29,6 @@ inline constexpr double kGrossShare = 1.5 / 640;
 std::vector<int> grossMisfits(const SegmentBlock& block, const Camera& camera, double sigmas,
                               double min_px);
 
-/// Removes landmarks and their observations; indices of the others close up. `fixed_landmark`
-/// of blocks made before no longer holds.
-void removeLandmarks(const std::vector<int>& landmarks, Segment* segment);
-
 /// The error per axis [px] that the observations' own sigmas leave out, such as that of the lens
 /// model or of blur: the f for which the median of the squared residuals, each over sigma^2 + f^2,
 /// is what it should be, the loss of degrees of freedom accounted for. 0 where the sigmas suffice.

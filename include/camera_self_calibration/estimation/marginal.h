@@ -48,8 +48,8 @@ struct Marginal {
   double remainingStep() const;
 
   /// `I^-1 M I^-1` with I the information and M the track scores: the covariance of the estimate
-  /// whatever the correlation along a track (cluster-robust); in no direction smaller than I^-1.
-  /// Nothing where I is singular (as covarianceFromInformation).
+  /// whatever the correlation along a track (cluster-robust: Liang and Zeger 1986); in no direction
+  /// smaller than I^-1. Nothing where I is singular (as covarianceFromInformation).
   std::optional<IntrinsicsMatrix> robustCovariance() const;
 };
 
@@ -70,6 +70,9 @@ Marginal marginalize(const Problem& problem, double huber, int threads = 1,
 /// Eigenvalues of an information matrix scaled to a unit diagonal, in increasing order: the
 /// smallest shows how well conditioned the estimate is, whatever the parameters' units.
 Intrinsics scaledEigenvalues(const IntrinsicsMatrix& information);
+
+/// Scaled eigenvalue below which a direction of the intrinsics counts as not observed at all.
+inline constexpr double kUnobservedEigenvalue = 1e-7;
 
 /// Inverse of an information matrix; nothing where its smallest scaled eigenvalue is below
 /// `rank_tolerance`.

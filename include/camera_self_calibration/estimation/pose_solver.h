@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/geometry/rigid3.h"
 
 namespace camera_self_calibration {
@@ -29,6 +30,7 @@ struct PoseEstimate {
 
 /// The pose alone, points and intrinsics held (eq. 2 with Huber weights), from `guess`.
 PoseEstimate solvePose(const Camera& camera, const std::vector<PointView>& views,
-                       const Rigid3& guess, double huber = 2.0, int max_iterations = 10);
+                       const Rigid3& guess, double huber = kHuberThreshold,
+                       int max_iterations = 10);
 
 }  // namespace camera_self_calibration

@@ -4,6 +4,10 @@
 
 namespace camera_self_calibration {
 
+/// Norm of a whitened reprojection residual beyond which it costs linearly, in all estimates
+/// [sigmas]. With right sigmas one residual of two coordinates in seven is larger, exp(-2).
+inline constexpr double kHuberThreshold = 2.0;
+
 /// Huber's function of the whitened residual's norm: `norm^2 / 2` up to the threshold, linear
 /// beyond it. A threshold <= 0 means none.
 inline double huberCost(double norm, double threshold) {

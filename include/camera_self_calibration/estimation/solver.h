@@ -1,13 +1,14 @@
 #pragma once
 
 #include "camera_self_calibration/estimation/problem.h"
+#include "camera_self_calibration/estimation/robust.h"
 
 namespace camera_self_calibration {
 
 struct SolverOptions {
   int max_iterations = 30;
   /// Huber threshold on the norm of a whitened residual; <= 0: least squares.
-  double huber = 2.0;
+  double huber = kHuberThreshold;
   /// Ends when no variable moves by more than this many of its conditional standard deviations
   /// (1 / column norm of J, at most its marginal one).
   double step_tolerance = 1e-6;

@@ -101,11 +101,11 @@ class SlidingWindow {
   std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
   std::vector<std::int64_t> tracksAtOdds(const Rigid3& pose,
                                          const std::vector<Track>& tracks) const;
-  double medianDepthOf(const Segment& solution, int k, const Keyframe& keyframe) const;
+  double medianInverseDepthOf(const Segment& solution, int k, const Keyframe& keyframe) const;
   bool nearTrueCamera(const Keyframe& keyframe) const;
   int conditioningCount() const;
   void takeGeneration(Segment* segment) const;
-  void rememberDepth(const Segment& segment, int fixed_keyframes);
+  void rememberInverseDepth(const Segment& segment, int fixed_keyframes);
   std::vector<std::int64_t> solveWindow();
 
   SlidingWindowOptions options_;

@@ -44,4 +44,10 @@ std::vector<double> inverseDepths(const Segment& segment);
 /// Their median, with its sign; `fallback` without landmarks.
 double medianInverseDepth(const Segment& segment, double fallback);
 
+/// The landmarks that keyframe `k` sees, those that are anchored there among them.
+std::vector<const Landmark*> landmarksSeenIn(int k, const Segment& segment);
+
+/// typicalInverseDepth() of the landmarks that keyframe `k` sees, in its own frame.
+double typicalInverseDepthAt(int k, const Segment& segment);
+
 }  // namespace camera_self_calibration

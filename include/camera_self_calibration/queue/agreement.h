@@ -38,10 +38,6 @@ QuadraticLikelihood ownLikelihood(const Candidate& candidate);
 std::optional<QuadraticLikelihood> likelihoodAt(const Camera& camera, const Segment& segment,
                                                 double sigma_scale);
 
-/// The observations of `segment` with the poses and landmarks of `start`, which it is a part of,
-/// and which were estimated with other intrinsics.
-Segment restarted(const Segment& segment, const Segment& start);
-
 /// Estimated intrinsics that others are compared with.
 struct Reference {
   Camera camera;
@@ -57,7 +53,8 @@ struct Reference {
 std::optional<Reference> referenceWithout(std::int64_t begin_ns, std::int64_t end_ns,
                                           const SegmentQueue& queue);
 
-/// Hotelling's statistic for two estimates of the same intrinsics that share no data.
+/// Hotelling's statistic for two estimates of the same intrinsics that share no data (Hotelling
+/// 1931).
 struct Agreement {
   double statistic = 0.0;  ///< `T^2 = d^T (Sigma_reference + Sigma_other)^-1 d`.
   double p_value = 1.0;    ///< Probability of so large a value if the intrinsics are the same.

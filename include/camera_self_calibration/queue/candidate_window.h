@@ -4,6 +4,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/map/segment.h"
 
 namespace camera_self_calibration {
@@ -26,10 +27,10 @@ struct Candidate {
 struct CandidateOptions {
   int min_keyframes = 5;
   int min_landmarks = 20;
-  double min_scaled_eigenvalue = 1e-7;  ///< Of the marginal information with a unit diagonal.
-  /// rms over image width, above which it is ill posed. Without any information (a still camera,
-  /// translation alone) noise in the estimated motion simulates 0.035 to 0.2, whatever its size.
-  double max_pixel_uncertainty_share = 0.03;
+  /// Of the marginal information with a unit diagonal.
+  double min_scaled_eigenvalue = kUnobservedEigenvalue;
+  /// rms over image width, above which it is ill posed.
+  double max_pixel_uncertainty_share = kUselessUncertaintyShare;
   /// Sigmas that the intrinsics would still move (Marginal::remainingStep). Poses and depths that
   /// nothing determines, as in pure rotation, never settle and do not matter.
   double max_remaining_step = 0.5;

@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/map/segment.h"
 
 namespace camera_self_calibration {
@@ -12,8 +13,8 @@ namespace camera_self_calibration {
 struct SegmentFitOptions {
   bool estimate_intrinsics = true;
   int max_iterations = 20;
-  int gating_rounds = 2;  ///< Solve, remove the tracks that do not fit, solve again.
-  double huber = 2.0;     ///< In sigmas.
+  int gating_rounds = 2;           ///< Solve, remove the tracks that do not fit, solve again.
+  double huber = kHuberThreshold;  ///< In sigmas.
   double step_tolerance = 1e-4;
   double cost_tolerance = 1e-7;
   /// SolverOptions::intrinsics_tolerance of the last solution.

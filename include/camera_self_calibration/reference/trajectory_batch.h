@@ -15,9 +15,10 @@ struct BatchEstimate {
   int keyframes = 0;
   int observations = 0;  ///< That passed the gates.
   Camera camera;
-  IntrinsicsMatrix covariance;  ///< Cluster-robust along tracks, as the queue's; empty if singular.
-  PixelError uncertainty;       ///< [px]; infinite without a covariance.
-  double entropy = 0.0;  ///< Normalised as the queue's [nats]; infinite without a covariance.
+  /// Cluster-robust along tracks (Liang and Zeger 1986), as the queue's; empty if singular.
+  IntrinsicsMatrix covariance;
+  PixelError uncertainty;  ///< [px]; infinite without a covariance.
+  double entropy = 0.0;    ///< Normalised as the queue's [nats]; infinite without a covariance.
   double unexplained_sigma = 0.0;  ///< Error per axis that was added to the tracker's sigmas [px].
   bool converged = false;
 };

@@ -18,9 +18,9 @@ class WholeTrajectory {
   void add(const Segment& window);
 
   /// One segment a part.
-  std::vector<Segment> stretches() const;
+  std::vector<Segment> parts() const;
 
-  /// Takes over poses, bearings and depths of solved stretches; landmarks that are missing in them
+  /// Takes over poses, bearings and depths of solved parts; landmarks that are missing in them
   /// keep what they had.
   void update(const std::vector<Segment>& solved);
 
@@ -30,7 +30,7 @@ class WholeTrajectory {
   int keyframes() const { return keyframes_; }
 
  private:
-  struct Stretch {
+  struct Part {
     Segment segment;                                     // without observations
     std::vector<std::vector<Observation>> observations;  // by landmark
     std::map<std::int64_t, int> keyframe_index;          // by id
@@ -38,11 +38,11 @@ class WholeTrajectory {
   };
 
   static void learnMotion(const Observation& seen, std::vector<Observation>* known);
-  static double scaleOf(const Stretch& stretch, const Segment& window);
-  static void addKeyframes(const Segment& window, double scale, Stretch* stretch);
+  static double scaleOf(const Part& part, const Segment& window);
+  static void addKeyframes(const Segment& window, double scale, Part* part);
 
   int keyframes_ = 0;
-  std::deque<Stretch> stretches_;
+  std::deque<Part> parts_;
 };
 
 }  // namespace camera_self_calibration

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/rig/rig.h"
 #include "camera_self_calibration/rig/rig_segment.h"
 
@@ -13,7 +14,8 @@ namespace camera_self_calibration {
 
 /// How Ceres minimises eq. (3) for a rig.
 struct RigSolveOptions {
-  double huber = 2.0;  ///< Threshold on the norm of the whitened residual; 0: plain least squares.
+  /// Threshold on the norm of the whitened residual; 0: plain least squares.
+  double huber = kHuberThreshold;
   int max_iterations = 50;
   double tolerance = 1e-7;  ///< Ends when a step lowers the cost by less than this share of it.
   int threads = 1;

@@ -18,7 +18,7 @@ namespace camera_self_calibration {
 class Scene {
  public:
   /// A part of the trajectory that the calibration rests on.
-  struct Stretch {
+  struct QueueSegment {
     std::vector<Eigen::Vector3d> positions;
     double score = 0.0;  ///< 0: informs most, to 1: least, of the queue's segments.
   };
@@ -47,7 +47,7 @@ class Scene {
 
   /// By id.
   const std::map<std::int64_t, Keyframe>& keyframes() const { return maps_.present().keyframes; }
-  std::vector<Stretch> queue() const;
+  std::vector<QueueSegment> queue() const;
   /// By track id.
   const std::map<std::int64_t, Point>& landmarks() const { return maps_.present().landmarks; }
   const Rigid3& worldFromCamera() const { return maps_.present().world_from_camera; }
@@ -65,7 +65,7 @@ class Scene {
   struct Content {
     std::map<std::int64_t, Keyframe> keyframes;
     std::map<std::int64_t, Point> landmarks;
-    std::map<std::int64_t, std::vector<Eigen::Vector3d>> stretches;  // by sequence
+    std::map<std::int64_t, std::vector<Eigen::Vector3d>> segment_positions;  // by sequence
     std::deque<Occurrence> events;
     Rigid3 world_from_camera;
     std::size_t size() const { return keyframes.size(); }

@@ -8,15 +8,6 @@
 
 namespace camera_self_calibration {
 
-/// The first `keyframes` keyframes of a segment, with the landmarks that have at least `min_views`
-/// observations there (the reference keyframe of an anchored one not counted).
-/// `landmark_index` tells for each landmark its index in the whole segment.
-Segment prefixOf(const Segment& segment, int keyframes, int min_views,
-                 std::vector<int>* landmark_index);
-
-/// Takes poses and landmarks of a prefix back into the whole segment.
-void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, Segment* segment);
-
 struct GrowthOptions {
   int free_after_keyframes = 4;  ///< From so many keyframes on the intrinsics are estimated.
   double max_inverse_depth_ratio = 20.0;  ///< To the median; beyond, a depth starts over.

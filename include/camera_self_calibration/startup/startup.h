@@ -25,7 +25,7 @@ struct StartupOptions {
   /// models, pinhole and fov, which between them come near enough to any lens to start from.
   bool choose_model = false;
   /// rms uncertainty over image width above which an estimate tells nothing of the lens.
-  double useless_uncertainty_share = 0.03;
+  double useless_uncertainty_share = kUselessUncertaintyShare;
 };
 
 /// The batch solution from no knowledge (section II-C): keyframes chosen for information,
