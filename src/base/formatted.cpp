@@ -41,7 +41,7 @@ std::string asSentence(const std::string& text) {
 }
 
 std::string sentencesOf(const std::string& text, const std::string& more) {
-  return asSentence(text) + (more.empty() ? "" : " " + asSentence(more));
+  return asSentence(text) + (text.empty() || more.empty() ? "" : " ") + asSentence(more);
 }
 
 std::string exactText(double value) {

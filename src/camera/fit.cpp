@@ -48,8 +48,8 @@ NormalEquations linearise(const Camera& camera, const std::vector<PixelRay>& gri
 double refine(const std::vector<PixelRay>& grid, Camera* camera) {
   double current = cost(*camera, grid);
   double damping = 1e-4;
+  NormalEquations normal = linearise(*camera, grid);
   for (int i = 0; i < 100 && damping < 1e12; ++i) {
-    const NormalEquations normal = linearise(*camera, grid);
     IntrinsicsMatrix h = normal.h;
     h.diagonal() += damping * normal.h.diagonal() +
                     Intrinsics::Constant(h.rows(), std::numeric_limits<double>::min());
@@ -62,6 +62,7 @@ double refine(const std::vector<PixelRay>& grid, Camera* camera) {
       current = next;
       damping = std::max(0.1 * damping, 1e-15);
       if (done) break;
+      normal = linearise(*camera, grid);
     } else {
       damping *= 10.0;
     }

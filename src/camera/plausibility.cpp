@@ -1,6 +1,8 @@
 #include "camera_self_calibration/camera/plausibility.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/image_size.h"
@@ -14,8 +16,37 @@ constexpr double kMostAnamorphic = 4.0;  // ratio of the focal lengths
 
 constexpr double kFarthest = 20.0;  // principal point outside the image, in image sizes
 
+// What a coefficient moves the image's farthest corner by, over its distance from the principal
+// point.
+constexpr double kStrongest = 1000.0;
+
 bool isNear(double position, int size) {
   return position >= -kFarthest * size && position <= (1.0 + kFarthest) * size;
+}
+
+/// Distance of the farthest corner from the principal point, in focal lengths.
+double reach(const Camera& camera) {
+  const Intrinsics& p = camera.parameters();
+  const double x = std::max(std::abs(p(2)), std::abs(camera.width() - p(2))) / p(0);
+  const double y = std::max(std::abs(p(3)), std::abs(camera.height() - p(3))) / p(1);
+  return std::hypot(x, y);
+}
+
+/// Why a coefficient of the distortion cannot be one of a lens; empty if they all can.
+std::string strongDistortion(const Camera& camera) {
+  constexpr std::array<int, 5> kRadtan = {2, 4, 1, 1, 6};  // the radius counts with these powers
+  constexpr std::array<int, 5> kEquidistant = {2, 4, 6, 8};
+  const bool radtan = camera.model() == CameraModel::kRadtan;
+  if (!radtan && camera.model() != CameraModel::kEquidistant) return "";
+  const double radius = reach(camera);
+  for (int i = 4; i < camera.parameterCount(); ++i) {
+    const double coefficient = camera.parameters()(i);
+    const int power = (radtan ? kRadtan : kEquidistant)[static_cast<std::size_t>(i - 4)];
+    if (std::abs(coefficient) * std::pow(radius, power) <= kStrongest) continue;
+    return formatted("no lens has a distortion of %s = %.4g",
+                     camera.parameterNames()[static_cast<std::size_t>(i)].c_str(), coefficient);
+  }
+  return "";
 }
 
 }  // namespace
@@ -43,7 +74,7 @@ std::string implausibility(const Camera& camera) {
     return formatted("the principal point (%.4g, %.4g) lies far outside the image of %d x %d", p(2),
                      p(3), camera.width(), camera.height());
   }
-  return "";
+  return strongDistortion(camera);
 }
 
 }  // namespace camera_self_calibration

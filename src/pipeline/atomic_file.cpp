@@ -114,11 +114,16 @@ FileContents readFile(const std::string& path) {
   const auto status = std::filesystem::status(path, error);
   if (status.type() == std::filesystem::file_type::not_found) return contents;
   contents.exists = true;
-  if (!std::filesystem::is_regular_file(status)) {
+  if (!error && !std::filesystem::is_regular_file(status)) {
     contents.error = path + " is not a file that can be read";
     return contents;
   }
-  if (std::filesystem::file_size(path, error) > kMaxBytes || error) {
+  const std::uintmax_t size = error ? 0 : std::filesystem::file_size(path, error);
+  if (error) {
+    contents.error = failure("cannot read", path, error.value());
+    return contents;
+  }
+  if (size > kMaxBytes) {
     contents.error = path + " is too large";
     return contents;
   }

@@ -325,8 +325,12 @@ std::string encode(const LearntState& state) {
   return text + sum.bytes();
 }
 
+bool beginsAsState(const std::string& bytes) {
+  return bytes.compare(0, kMagic.size(), kMagic) == 0;
+}
+
 DecodedState decodeState(const std::string& bytes) {
-  if (bytes.compare(0, kMagic.size(), kMagic) != 0) {
+  if (!beginsAsState(bytes)) {
     return {nullptr, "it is not a state file of this program"};
   }
   if (bytes.size() < kMagic.size() + kChecksumBytes + 8) return {nullptr, "it is cut off"};

@@ -8,6 +8,7 @@
 
 #include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/rig_node/rig_judgement.h"
 #include "camera_self_calibration/ros/frame_names.h"
 #include "camera_self_calibration/ros/messages.h"
 #include "camera_self_calibration/ros/stamps.h"
@@ -91,6 +92,7 @@ RigCalibrationNode::~RigCalibrationNode() {
 
 void RigCalibrationNode::addPort(int camera) {
   auto port = std::make_unique<Port>();
+  port->monitor.keepSize();
   ros::NodeHandle names(private_node_, options_.camera_names[camera]);
   port->input = std::make_unique<ImageInput>(
       node_, options_.image_topics[camera], options_.camera.image_transport,
@@ -140,6 +142,11 @@ void RigCalibrationNode::onImage(int camera, InputImage image) {
   const InputVerdict verdict = port.monitor.check(image.gray);
   if (verdict != InputVerdict::kUse) problem = port.monitor.counts().last_problem;
   if (!problem.empty()) log_.warnThrottled(cameraText(options_, camera) + ": " + problem);
+  const std::string notice = port.monitor.takeNotice();
+  const std::int64_t stamp_ns = toNanoseconds(image.header.stamp);
+  if (!notice.empty()) {
+    raise({EventType::kInput, stamp_ns, stamp_ns, notice}, cameraText(options_, camera));
+  }
   const bool usable = verdict != InputVerdict::kReject;
   if (usable && !std::exchange(port.restored, true)) {
     restoreCamera(camera, image.gray.view->width, image.gray.view->height);
@@ -233,10 +240,18 @@ CalibrationStore::Outcome RigCalibrationNode::saveTo(RigStore* store, const RigR
   }
   const CalibrationStore::Outcome outcome = store->save(report, infos, states);
   if (!outcome.success) log_.warn(outcome.message);
+  const std::vector<std::string> notes = store->notes(report);
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (outcome.success) warnOfNotes(notes);
   saving_ = outcome.message;
   saving_failed_ = !outcome.success;
   return outcome;
+}
+
+// Once: each saving would say the same with other figures.
+void RigCalibrationNode::warnOfNotes(const std::vector<std::string>& notes) {
+  if (notes.empty() || std::exchange(notes_told_, true)) return;
+  for (const std::string& note : notes) log_.warn(note);
 }
 
 // What an operator has to do something about; empty if nothing.
@@ -249,6 +264,9 @@ std::string RigCalibrationNode::inputProblem() {
     }
     const double silence = (ros::WallTime::now() - port.last_image).toSec();
     if (silence > kSilence) return formatted("No image of %s for %.0f s.", who.c_str(), silence);
+    if (port.counts.rejected > std::exchange(port.rejected_before, port.counts.rejected)) {
+      return asSentence(who + ": " + port.counts.last_problem);
+    }
     const std::int64_t dropped = port.dropped - std::exchange(port.dropped_before, port.dropped);
     if (dropped == 0) continue;
     return formatted(
@@ -265,13 +283,9 @@ void RigCalibrationNode::describe(diagnostic_updater::DiagnosticStatusWrapper& s
     return;
   }
   const RigReport report = calibrator_->report();
-  const bool converged = report.state == CalibrationState::kConverged;
-  status.summary(converged ? DiagnosticStatus::OK : DiagnosticStatus::WARN,
-                 sentencesOf(report.sentence, report.hint));
   const std::lock_guard<std::mutex> lock(mutex_);
-  const std::string input = inputProblem();
-  if (!input.empty()) status.mergeSummary(DiagnosticStatus::WARN, input);
-  if (saving_failed_) status.mergeSummary(DiagnosticStatus::ERROR, asSentence(saving_));
+  addVerdict(report, {inputProblem(), saving_failed_ ? saving_ : "", camera_info_->pairNote()},
+             &status);
   status.add("state", toString(report.state));
   status.add("keyframes of the rig", report.keyframes);
   status.add("joint solutions", report.solutions);
@@ -280,8 +294,6 @@ void RigCalibrationNode::describe(diagnostic_updater::DiagnosticStatusWrapper& s
   if (!report.mount_changes.empty()) {
     status.add("last change of a mount", asSentence(report.mount_changes.back().sentence));
   }
-  const std::string pair_note = camera_info_->pairNote();
-  if (!pair_note.empty()) status.mergeSummary(DiagnosticStatus::OK, asSentence(pair_note));
   if (!saving_.empty()) status.add("saving", saving_);
   for (int c = 0; c < options_.cameras(); ++c) {
     const CalibrationReport& own = report.cameras[c];

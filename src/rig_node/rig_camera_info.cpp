@@ -22,6 +22,19 @@ bool differVisibly(const Rig& a, const Rig& b, double pixels) {
          pixelDistance(a.cameras[1], b.cameras[1]).rms > pixels;
 }
 
+/// Warnings about what goes out for a pair.
+std::vector<std::string> deviations(const StereoPair& pair) {
+  std::vector<std::string> warnings;
+  const auto judge = [&](int camera, const sensor_msgs::CameraInfo& info, const PixelError& error) {
+    if (error.max <= CameraInfoPolicy::kConversionWarning) return;
+    warnings.push_back(stereoNote(formatted("The camera_info of camera %d", camera), info, error) +
+                       " To have it exact, set the parameter model to equidistant.");
+  };
+  judge(pair.left, pair.left_info, pair.left_error);
+  judge(pair.right, pair.right_info, pair.right_error);
+  return warnings;
+}
+
 }  // namespace
 
 RigCameraInfo::RigCameraInfo(const CameraInfoOptions& options, const Options& pipeline, int cameras)
@@ -44,27 +57,28 @@ std::vector<std::string> RigCameraInfo::update(const RigReport& report) {
                                   : own);
     if (!warning.empty()) warnings.push_back(formatted("camera %zu: ", c) + warning);
   }
-  updatePair(report);
+  for (const std::string& warning : updatePair(report)) warnings.push_back(warning);
   return warnings;
 }
 
-void RigCameraInfo::updatePair(const RigReport& report) {
+std::vector<std::string> RigCameraInfo::updatePair(const RigReport& report) {
   if (!report.estimate.converged) {
     const std::lock_guard<std::mutex> lock(mutex_);
     pair_.reset();
     why_no_pair_.clear();
-    return;
+    return {};
   }
-  if (report.state != CalibrationState::kConverged || report.revision == revision_) return;
+  if (report.state != CalibrationState::kConverged || report.revision == revision_) return {};
   revision_ = report.revision;
   const Rig& rig = report.estimate.rig;
-  if (pair_ && !differVisibly(pair_rig_, rig, min_change_px_)) return;
+  if (pair_ && !differVisibly(pair_rig_, rig, min_change_px_)) return {};
   std::string problem;
   const std::optional<StereoPair> pair = stereoPair(rig, &problem);
   const std::lock_guard<std::mutex> lock(mutex_);
   pair_ = pair;
   pair_rig_ = rig;
   why_no_pair_ = problem;
+  return pair ? deviations(*pair) : std::vector<std::string>();
 }
 
 const sensor_msgs::CameraInfo* RigCameraInfo::ofPair(int camera) const {

@@ -1,6 +1,5 @@
 #include "camera_self_calibration/rig_node/rig_node_options.h"
 
-#include <cmath>
 #include <set>
 
 #include "camera_self_calibration/base/formatted.h"
@@ -93,8 +92,10 @@ std::vector<std::string> RigNodeOptions::problems() const {
     problems.push_back("camera_names holds '" + name +
                        "'; names are of letters, digits and underscores");
   }
-  if (!(baseline >= 0.0 && std::isfinite(baseline))) {
-    problems.push_back("baseline must be a number of metres, or 0 if it is not known");
+  if (baseline != 0.0 && !isBaseline(baseline)) {
+    problems.push_back(
+        formatted("baseline must lie between %g and %g m, or be 0 if it is not known; it is %g",
+                  kShortestBaseline, kLongestBaseline, baseline));
   }
   if (rig_keyframes < kFewestKeyframes || rig_keyframes > kMostKeyframes) {
     problems.push_back(formatted("rig_keyframes is %d, it must lie between %d and %d",

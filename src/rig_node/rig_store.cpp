@@ -1,5 +1,6 @@
 #include "camera_self_calibration/rig_node/rig_store.h"
 
+#include <exception>
 #include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
@@ -69,6 +70,15 @@ std::string RigStore::saveRig(const RigReport& report) const {
   return writeFileAtomically(rig_file_, encode(RigState{names_, report.estimate}));
 }
 
+std::vector<std::string> RigStore::notes(const RigReport& report) const {
+  if (camchain_file_.empty()) return {};
+  try {
+    return camchainNotes(report.estimate.rig, camchain_file_);
+  } catch (const std::exception&) {
+    return {};  // Said by save().
+  }
+}
+
 // Empty, or what went wrong.
 std::string RigStore::saveCamchain(const RigReport& report) const {
   const FileContents present = readFile(camchain_file_);
@@ -77,8 +87,12 @@ std::string RigStore::saveCamchain(const RigReport& report) const {
            " exists and was not written by this program. It is left untouched: "
            "move it away, or set ~camchain_file to another file";
   }
-  return writeFileAtomically(camchain_file_, rigCamchain(report.estimate.rig, topics_,
-                                                         kMark + scaleNote(report.estimate)));
+  try {
+    return writeFileAtomically(camchain_file_, rigCamchain(report.estimate.rig, topics_,
+                                                           kMark + scaleNote(report.estimate)));
+  } catch (const std::exception& e) {
+    return camchain_file_ + " has no model for a lens: " + e.what();
+  }
 }
 
 CalibrationStore::Outcome RigStore::save(

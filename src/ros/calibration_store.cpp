@@ -11,6 +11,7 @@
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/text.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/model_conversion.h"
 
 namespace camera_self_calibration {
@@ -103,8 +104,8 @@ CalibrationStore::KnownCalibration CalibrationStore::readCalibration(
   const std::optional<NamedInfo> named = parse(contents.bytes);
   if (!named) return refused("it is no calibration that camera_info_manager can read");
   if (named->name != options_.camera_name) {
-    return refused("it is for the camera '" + named->name + "', this one is '" +
-                   options_.camera_name + "' (~camera_name)");
+    return refused("it is for the camera '" + named->name + "', this one has the name '" +
+                   options_.camera_name + "'");
   }
   const auto file_width = static_cast<int>(named->info.width);
   const auto file_height = static_cast<int>(named->info.height);
@@ -189,6 +190,7 @@ std::string CalibrationStore::saveState(const LearntState& state) {
 
 std::string CalibrationStore::saveCalibration(std::optional<CameraModel> model,
                                               const sensor_msgs::CameraInfo& info) {
+  if (!isCalibrated(info)) return kUncalibrated;
   const std::string& path = options_.calibration_file;
   const KnownCalibration known =
       readCalibration(model, static_cast<int>(info.width), static_cast<int>(info.height));

@@ -3,9 +3,11 @@
 #include <sensor_msgs/distortion_models.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/camera/image_size.h"
+#include "camera_self_calibration/camera/plausibility.h"
 #include "camera_self_calibration/camera/rational_fit.h"
 
 namespace camera_self_calibration {
@@ -19,7 +21,7 @@ bool isZero(double value) { return value == 0.0; }
 
 bool isRational(const sensor_msgs::CameraInfo& info) {
   return info.distortion_model == sensor_msgs::distortion_models::RATIONAL_POLYNOMIAL &&
-         info.D.size() == kRationalCount;
+         (info.D.empty() || info.D.size() == kRationalCount);
 }
 
 /// One of images; a width or height that is not given (0) may be anything that they have.
@@ -125,19 +127,22 @@ std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info) {
   return camera.valid() ? std::optional<Camera>(camera) : std::nullopt;
 }
 
-std::optional<Camera> toCamera(const sensor_msgs::CameraInfo& info,
-                               std::optional<CameraModel> model) {
-  std::optional<Camera> camera = toCamera(info);
-  if (camera || !isRational(info) || !(info.K[0] > 0.0 && info.K[4] > 0.0) ||
-      !hasPossibleSize(info)) {
-    return camera;
-  }
+Camera undistorted(const sensor_msgs::CameraInfo& info) {
+  return Camera(CameraModel::kPinhole, static_cast<int>(info.width), static_cast<int>(info.height),
+                Eigen::Vector4d(info.K[0], info.K[4], info.K[2], info.K[5]));
+}
+
+std::optional<CameraFit> toCamera(const sensor_msgs::CameraInfo& info,
+                                  std::optional<CameraModel> model) {
+  if (const std::optional<Camera> camera = toCamera(info)) return CameraFit{*camera, {}};
+  if (!isRational(info) || !implausibility(undistorted(info)).empty()) return std::nullopt;
   RationalPolynomial polynomial{info.K[0], info.K[4], info.K[2], info.K[5], {}};
   std::copy(info.D.begin(), info.D.end(), polynomial.coefficients.begin());
   const std::optional<CameraFit> fit =
       fitCamera(polynomial, static_cast<int>(info.width), static_cast<int>(info.height),
                 model.value_or(CameraModel::kEquidistant));
-  return fit && fit->camera.valid() ? std::optional<Camera>(fit->camera) : std::nullopt;
+  // A lens that cannot project the whole image would later pass for a change of it.
+  return fit && std::isfinite(fit->error.max) ? fit : std::nullopt;
 }
 
 }  // namespace camera_self_calibration

@@ -50,7 +50,7 @@ std::string CameraInfoPolicy::update(const CalibrationReport& report) {
       camera_.reset();
       published_.reset();
       inherited_ = given_ = false;
-      obstacle_.clear();
+      warning_.clear();
       return {};
     }
     good_epoch_ = converged ? std::optional<std::uint64_t>(report.epoch) : std::nullopt;
@@ -82,7 +82,7 @@ void CameraInfoPolicy::accept(const Camera& camera, const sensor_msgs::CameraInf
   camera_ = camera;
   forgetLastGood();
   published_ = CameraInfoConversion{info, {}};
-  obstacle_.clear();
+  warning_.clear();
   if (options_.fixed_projection) fixed_ = info;
   inherited_ = given_ = awaits_beginning_ = true;
   inherited_epoch_known_ = false;
@@ -113,22 +113,32 @@ std::string CameraInfoPolicy::publish(const Camera& camera, bool converged) {
   std::string warning;
   if (!conversion || !std::isfinite(conversion->error.max)) {
     warning = "The " + toString(camera.model()) +
-              " lens cannot be expressed in the output_distortion_model over the whole image, so "
-              "that camera_info stays zero; set output_distortion_model to auto.";
+              " lens cannot be expressed in the distortion model of camera_info over the whole "
+              "image, so that camera_info stays zero: " +
+              remedy(camera) + ".";
     conversion.reset();
   } else if (conversion->error.max > kConversionWarning) {
     warning = formatted(
-        "The published camera_info (%s) deviates from the estimated lens by up to %.2f px; another "
-        "output_distortion_model may be closer.",
-        conversion->info.distortion_model.c_str(), conversion->error.max);
+        "The published camera_info (%s) deviates from the estimated lens by up to %.2f px. To have "
+        "it closer, %s.",
+        conversion->info.distortion_model.c_str(), conversion->error.max, remedy(camera).c_str());
   }
   if (conversion) setProjection(converged, &conversion->info);
   const std::lock_guard<std::mutex> lock(mutex_);
   camera_ = camera;
-  obstacle_ = conversion ? "" : warning;
+  warning_ = warning;
   published_ = std::move(conversion);
   inherited_ = given_ = false;
   return warning;
+}
+
+// auto writes what is closest: equidistant for a fov lens, and all others exactly.
+std::string CameraInfoPolicy::remedy(const Camera& camera) const {
+  const bool closest =
+      options_.model == OutputModel::kAuto ||
+      (options_.model == OutputModel::kEquidistant && camera.model() == CameraModel::kFov);
+  return closest ? "set the parameter model to equidistant"
+                 : "set the parameter output_distortion_model to auto";
 }
 
 void CameraInfoPolicy::setProjection(bool converged, sensor_msgs::CameraInfo* info) {
@@ -161,8 +171,11 @@ sensor_msgs::CameraInfo CameraInfoPolicy::infoFor(const std_msgs::Header& header
 CameraInfoState CameraInfoPolicy::state() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   CameraInfoState state;
-  state.obstacle = obstacle_;
-  if (!published_) return state;
+  if (!published_) {
+    state.obstacle = warning_;
+    return state;
+  }
+  state.deviation = warning_;
   state.distortion_model = published_->info.distortion_model;
   state.error = published_->error;
   state.inherited = inherited_ && !given_;

@@ -4,6 +4,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/driver_commit.h"
 #include "camera_self_calibration/ros/model_conversion.h"
 #include "camera_self_calibration/ros/report_yaml.h"
@@ -73,7 +74,9 @@ std::optional<ControlServices::Present> ControlServices::present() const {
 std::string ControlServices::whyNotConverged(const std::optional<Present>& now,
                                              const sensor_msgs::CameraInfo& info) const {
   if (!now) return kNoImage;
-  if (now->report.state == CalibrationState::kConverged && now->state && info.K[0] > 0.0) return "";
+  if (now->report.state == CalibrationState::kConverged && now->state) {
+    return isCalibrated(info) ? "" : kUncalibrated;
+  }
   const std::string sentence =
       now->report.sentence.empty() ? "nothing is known yet" : now->report.sentence;
   return "the calibration is " + toString(now->report.state) + ", not CONVERGED: " + sentence;

@@ -7,6 +7,7 @@
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/camera/plausibility.h"
 #include "camera_self_calibration/ros/camera_info.h"
+#include "camera_self_calibration/ros/model_conversion.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -111,8 +112,8 @@ std::optional<Camera> FactoryCalibration::startFor(std::optional<CameraModel> mo
   const CameraModel wanted = model.value_or(factory->model());
   const std::optional<Camera> start = asStart(*factory, wanted);
   *problem = start ? ""
-                   : "the factory calibration on " + topic_ + " cannot be expressed as " +
-                         toString(wanted);
+                   : "The factory calibration on " + topic_ + " cannot be expressed in the model " +
+                         toString(wanted) + " over the whole image.";
   return start;
 }
 
@@ -124,15 +125,12 @@ std::optional<Camera> FactoryCalibration::read(std::optional<CameraModel> model,
                ": does the camera's driver publish a CameraInfo, and is the name right?";
     return std::nullopt;
   }
-  if (!(newest_->K[0] > 0.0)) {
-    *problem = "The factory calibration on " + topic_ + " is empty: its K is zero.";
-    return std::nullopt;
-  }
   const std::optional<Camera> camera = toWindowedCamera(*newest_, model);
   if (!camera) {
-    *problem = "The factory calibration on " + topic_ +
-               " cannot be read: its distortion model is '" + newest_->distortion_model +
-               "' with " + std::to_string(newest_->D.size()) + " coefficients.";
+    *problem = "The factory calibration on " + topic_ + " is not used: " +
+               (toCamera(*newest_, model) ? "its region of interest does not lie on the sensor"
+                                          : whyNoStart(*newest_, model)) +
+               ".";
   }
   return camera;
 }

@@ -43,8 +43,9 @@ std::vector<std::string> keepingProblems(const NodeOptions& options) {
   check("state_file", resolvePath(options.state_file, name));
   check("report_file", resolvePath(options.report_file, name));
   if (options.report_file.empty()) problems.push_back("report_file must not be empty");
-  if (!(options.autosave_interval_s >= 0.0)) {
-    problems.push_back("autosave_interval_s must not be negative; 0 turns it off");
+  constexpr double kDay = 86400.0;  // [s]
+  if (!(options.autosave_interval_s >= 0.0 && options.autosave_interval_s <= kDay)) {
+    problems.push_back("autosave_interval_s must lie between 0, which turns it off, and 86400");
   }
   return problems;
 }

@@ -55,8 +55,9 @@ InputVerdict InputMonitor::checkSize(const ImageView& view) {
   new_height_ = view.height;
   const std::string change = "the image size changed from " + sizeText(width_, height_) + " to " +
                              sizeText(view.width, view.height);
+  if (keeps_size_) return refuseNewSize(change);
   if (new_size_images_ < kSizePatience) {
-    return reject(change + "; if it stays so, calibration starts again");
+    return reject(change + "; if it stays so, the calibration goes over to the new size");
   }
   counts_.last_problem = change;
   ++counts_.size_changes;
@@ -64,6 +65,13 @@ InputVerdict InputMonitor::checkSize(const ImageView& view) {
   height_ = view.height;
   new_size_images_ = 0;
   return InputVerdict::kNewSize;
+}
+
+InputVerdict InputMonitor::refuseNewSize(const std::string& change) {
+  const std::string refusal =
+      change + "; such images are left out: restart the node to calibrate the new size";
+  if (new_size_images_ == kSizePatience) notice_ = refusal;
+  return reject(refusal);
 }
 
 InputVerdict InputMonitor::checkTime(std::int64_t stamp_ns) {

@@ -30,21 +30,22 @@ bool areNumbers(const sensor_msgs::CameraInfo& info) {
 
 std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info,
                                    std::optional<CameraModel> model) {
-  const std::optional<Camera> camera = toCamera(info, model);
-  if (!camera || !implausibility(*camera).empty()) return std::nullopt;
-  if (!model || camera->model() == *model) return CameraFit{*camera, {}};
-  if (camera->model() == CameraModel::kPinhole && *model == CameraModel::kRadtan) {
+  const std::optional<CameraFit> read = toCamera(info, model);
+  if (!read || !implausibility(read->camera).empty()) return std::nullopt;
+  const Camera& camera = read->camera;
+  if (!model || camera.model() == *model) return read;
+  if (camera.model() == CameraModel::kPinhole && *model == CameraModel::kRadtan) {
     Intrinsics parameters = Intrinsics::Zero(Camera::parameterCount(*model));
-    parameters.head<4>() = camera->parameters();
-    return CameraFit{Camera(*model, camera->width(), camera->height(), parameters), {}};
+    parameters.head<4>() = camera.parameters();
+    return CameraFit{Camera(*model, camera.width(), camera.height(), parameters), {}};
   }
-  const std::optional<CameraFit> fit = fitCamera(*camera, *model);
+  const std::optional<CameraFit> fit = fitCamera(camera, *model);
   // A start that cannot project the whole image would later pass for a change of the lens.
   const bool usable = fit && std::isfinite(fit->error.max) && implausibility(fit->camera).empty();
   return usable ? fit : std::nullopt;
 }
 
-std::string whyNoStart(const sensor_msgs::CameraInfo& info, std::optional<CameraModel> model) {
+std::string whyNoCamera(const sensor_msgs::CameraInfo& info) {
   const std::size_t expected = coefficientCount(info.distortion_model);
   if (!areNumbers(info)) return "not all of its values are numbers";
   if (info.K[0] == 0.0) return "it is uncalibrated: its K is zero";
@@ -62,9 +63,13 @@ std::string whyNoStart(const sensor_msgs::CameraInfo& info, std::optional<Camera
     return "its distortion_model " + info.distortion_model + " has " + std::to_string(expected) +
            " coefficients, but it holds " + std::to_string(info.D.size());
   }
-  const std::optional<Camera> camera = toCamera(info, model);
-  const std::string problem = camera ? implausibility(*camera) : "";
-  if (!problem.empty()) return "it cannot be right: " + problem;
+  const std::string problem = implausibility(toCamera(info).value_or(undistorted(info)));
+  return problem.empty() ? "" : "it cannot be right: " + problem;
+}
+
+std::string whyNoStart(const sensor_msgs::CameraInfo& info, std::optional<CameraModel> model) {
+  const std::string problem = whyNoCamera(info);
+  if (!problem.empty()) return problem;
   if (!model) return "its values describe no lens over the whole image";
   return "its values cannot be expressed in the model " + toString(*model) +
          " over the whole image; choose another ~model";

@@ -1,5 +1,7 @@
 #include "camera_self_calibration/ros/node_options.h"
 
+#include <cmath>
+
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/file_parameters.h"
 #include "camera_self_calibration/ros/parameter_reader.h"
@@ -8,6 +10,7 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr const char* kAutoModel = "auto";
+constexpr int kMostPathPoses = 100000;  // all go out with each message
 
 void readInterface(ParameterReader& read, NodeOptions* options) {
   read("initial_intrinsics", &options->initial_intrinsics);
@@ -89,7 +92,9 @@ std::vector<std::string> NodeOptions::problems() const {
     problems.push_back("camera_info_input is '" + camera_info_input +
                        "'; it must be off, initial or compare");
   }
-  if (!(factory_warn_px > 0.0)) problems.push_back("factory_warn_px must be positive");
+  if (!(factory_warn_px > 0.0 && std::isfinite(factory_warn_px))) {
+    problems.push_back("factory_warn_px must be a positive number of pixels");
+  }
   if (!outputModelFromString(output_distortion_model)) {
     problems.push_back("output_distortion_model is '" + output_distortion_model +
                        "'; it must be auto, plumb_bob, rational_polynomial or equidistant");
@@ -101,10 +106,13 @@ std::vector<std::string> NodeOptions::problems() const {
   if (publish_tf && world_frame == child_frame) {
     problems.push_back("world_frame and child_frame must differ");
   }
-  if (!(min_publish_change_px >= 0.0)) {
-    problems.push_back("min_publish_change_px must not be negative");
+  if (!(min_publish_change_px >= 0.0 && std::isfinite(min_publish_change_px))) {
+    problems.push_back("min_publish_change_px must be 0 or a positive number of pixels");
   }
-  if (path_poses < 2) problems.push_back("path_poses must be at least 2");
+  if (path_poses < 2 || path_poses > kMostPathPoses) {
+    problems.push_back("path_poses is " + std::to_string(path_poses) +
+                       ", it must lie between 2 and " + std::to_string(kMostPathPoses));
+  }
   const std::vector<std::string> keeping = keepingProblems(*this);
   problems.insert(problems.end(), keeping.begin(), keeping.end());
   return problems;

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <initializer_list>
+#include <sstream>
+#include <string>
 
 namespace camera_self_calibration {
 namespace {
@@ -22,6 +25,13 @@ bool isJpeg(const Bytes& data) { return data.size() > 2 && beginsWith(data, {kMa
 std::int64_t number(const Bytes& data, std::size_t at, std::size_t bytes) {
   std::int64_t value = 0;
   for (std::size_t i = at; i < at + bytes; ++i) value = value << 8 | data[i];
+  return value;
+}
+
+/// The least significant byte first.
+std::int64_t littleNumber(const Bytes& data, std::size_t at, std::size_t bytes) {
+  std::int64_t value = 0;
+  for (std::size_t i = at + bytes; i > at; --i) value = value << 8 | data[i - 1];
   return value;
 }
 
@@ -51,22 +61,69 @@ bool isPnm(const Bytes& data) {
   return beginsWith(data, {'P'}) && data.size() > 2 && data[1] >= '1' && data[1] <= '6';
 }
 
-}  // namespace
+bool isPng(const Bytes& data) { return beginsWith(data, {0x89, 'P', 'N', 'G'}); }
 
-bool isPicture(const Bytes& data) {
-  return isJpeg(data) || beginsWith(data, {0x89, 'P', 'N', 'G'}) || beginsWith(data, {'B', 'M'}) ||
-         isPnm(data) || isWebP(data) || beginsWith(data, {'I', 'I', 42, 0}) ||
-         beginsWith(data, {'M', 'M', 0, 42});
+bool isBmp(const Bytes& data) { return beginsWith(data, {'B', 'M'}); }
+
+std::optional<PictureSize> pngSize(const Bytes& data) {
+  if (data.size() < 24) return std::nullopt;
+  return PictureSize{number(data, 16, 4), number(data, 20, 4)};
 }
 
-std::optional<PictureSize> claimedSize(const Bytes& data) {
-  if (beginsWith(data, {0x89, 'P', 'N', 'G'}) && data.size() >= 24) {
-    return PictureSize{number(data, 16, 4), number(data, 20, 4)};
-  }
-  if (!isJpeg(data)) return std::nullopt;
+std::optional<PictureSize> jpegSize(const Bytes& data) {
   const std::size_t frame = segment(data, startsFrame);
   if (frame + 9 > data.size() || !startsFrame(data[frame + 1])) return std::nullopt;
   return PictureSize{number(data, frame + 7, 2), number(data, frame + 5, 2)};
+}
+
+std::optional<PictureSize> bmpSize(const Bytes& data) {
+  if (data.size() < 26) return std::nullopt;
+  const bool oldest = littleNumber(data, 14, 4) == 12;  // of OS/2
+  if (oldest) return PictureSize{littleNumber(data, 18, 2), littleNumber(data, 20, 2)};
+  // Negative where the first row is the topmost.
+  const auto height = static_cast<std::int32_t>(littleNumber(data, 22, 4));
+  return PictureSize{littleNumber(data, 18, 4), std::abs(std::int64_t{height})};
+}
+
+std::optional<PictureSize> pnmSize(const Bytes& data) {
+  constexpr std::size_t kHead = 4096;  // comments and all; not the pixels
+  std::istringstream head(std::string(
+      data.begin() + 2, data.begin() + static_cast<std::ptrdiff_t>(std::min(data.size(), kHead))));
+  PictureSize size;
+  for (std::int64_t* side : {&size.width, &size.height}) {
+    for (std::string comment; (head >> std::ws).peek() == '#';) std::getline(head, comment);
+    if (!(head >> *side)) return std::nullopt;
+  }
+  return size;
+}
+
+std::optional<PictureSize> webPSize(const Bytes& data) {
+  if (data.size() < 30) return std::nullopt;
+  constexpr std::int64_t kSide = 0x3FFF;
+  const std::string kind(data.begin() + 12, data.begin() + 16);
+  if (kind == "VP8X") {
+    return PictureSize{littleNumber(data, 24, 3) + 1, littleNumber(data, 27, 3) + 1};
+  }
+  if (kind == "VP8L") {
+    const std::int64_t sides = littleNumber(data, 21, 4);
+    return PictureSize{(sides & kSide) + 1, (sides >> 14 & kSide) + 1};
+  }
+  return PictureSize{littleNumber(data, 26, 2) & kSide, littleNumber(data, 28, 2) & kSide};
+}
+
+}  // namespace
+
+bool isPicture(const Bytes& data) {
+  return isJpeg(data) || isPng(data) || isBmp(data) || isPnm(data) || isWebP(data) ||
+         beginsWith(data, {'I', 'I', 42, 0}) || beginsWith(data, {'M', 'M', 0, 42});
+}
+
+std::optional<PictureSize> claimedSize(const Bytes& data) {
+  if (isJpeg(data)) return jpegSize(data);
+  if (isPng(data)) return pngSize(data);
+  if (isBmp(data)) return bmpSize(data);
+  if (isPnm(data)) return pnmSize(data);
+  return isWebP(data) ? webPSize(data) : std::nullopt;
 }
 
 bool isTruncatedJpeg(const Bytes& data) {

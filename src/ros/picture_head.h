@@ -17,8 +17,8 @@ struct PictureSize {
 /// their own.
 bool isPicture(const std::vector<std::uint8_t>& data);
 
-/// The size that stands in the head of a JPEG or PNG picture, so that a few bytes that claim a
-/// gigabyte need not be decoded; nothing for other formats, and where it is not found.
+/// The size that stands in the head of a JPEG, PNG, BMP, PNM or WebP picture, so that a few bytes
+/// that claim a gigabyte need not be decoded; nothing for TIFF, and where it is not found.
 std::optional<PictureSize> claimedSize(const std::vector<std::uint8_t>& data);
 
 /// Whether a JPEG picture ends before its end: a decoder fills what is missing with gray and only

@@ -1,6 +1,7 @@
 #include "camera_self_calibration/ros/sensor_window.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <tuple>
 
 #include "camera_self_calibration/ros/camera_info.h"
@@ -33,9 +34,12 @@ std::optional<SensorWindow> sensorWindow(const sensor_msgs::CameraInfo& info) {
   // By the message's definition a size of 0 means the whole resolution.
   window.width = info.roi.width == 0 ? window.full_width : static_cast<int>(info.roi.width);
   window.height = info.roi.height == 0 ? window.full_height : static_cast<int>(info.roi.height);
-  const bool possible = window.imageWidth() > 0 && window.imageHeight() > 0 && window.x >= 0 &&
-                        window.y >= 0 && window.x + window.width <= window.full_width &&
-                        window.y + window.height <= window.full_height;
+  const auto liesWithin = [](std::int64_t begin, std::int64_t size, std::int64_t full) {
+    return begin >= 0 && begin + size <= full;
+  };
+  const bool possible = window.imageWidth() > 0 && window.imageHeight() > 0 &&
+                        liesWithin(window.x, window.width, window.full_width) &&
+                        liesWithin(window.y, window.height, window.full_height);
   return possible ? std::optional<SensorWindow>(window) : std::nullopt;
 }
 
@@ -61,10 +65,10 @@ std::optional<Camera> throughWindow(const Camera& camera, const SensorWindow& fr
 
 std::optional<Camera> toWindowedCamera(const sensor_msgs::CameraInfo& info,
                                        std::optional<CameraModel> model) {
-  const std::optional<Camera> camera = toCamera(info, model);
+  const std::optional<CameraFit> fit = toCamera(info, model);
   const std::optional<SensorWindow> window = sensorWindow(info);
-  if (!camera || !window) return std::nullopt;
-  return throughWindow(*camera, wholeSensor(*window), *window);
+  if (!fit || !window) return std::nullopt;
+  return throughWindow(fit->camera, wholeSensor(*window), *window);
 }
 
 }  // namespace camera_self_calibration

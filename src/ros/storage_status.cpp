@@ -1,6 +1,7 @@
 #include "camera_self_calibration/ros/storage_status.h"
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/ros/judgement.h"
 
 namespace camera_self_calibration {
 
@@ -8,9 +9,7 @@ using diagnostic_msgs::DiagnosticStatus;
 
 void StorageStatus::setProblems(const std::vector<std::string>& problems) {
   problems_.clear();
-  for (const std::string& problem : problems) {
-    problems_ += (problems_.empty() ? "" : " ") + asSentence(problem);
-  }
+  for (const std::string& problem : problems) problems_ = sentencesOf(problems_, problem);
 }
 
 void StorageStatus::summarize(diagnostic_updater::DiagnosticStatusWrapper* status) const {
@@ -26,7 +25,7 @@ void StorageStatus::summarize(diagnostic_updater::DiagnosticStatusWrapper* statu
                     "Nothing is saved: the next start calibrates again. Set ~camera_info_url or "
                     "~state_file to keep the calibration.");
   }
-  if (!problems_.empty()) status->mergeSummary(DiagnosticStatus::WARN, problems_);
+  addJudgement(DiagnosticStatus::WARN, problems_, status);
 }
 
 }  // namespace camera_self_calibration

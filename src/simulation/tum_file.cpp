@@ -1,6 +1,8 @@
 #include "camera_self_calibration/simulation/tum_file.h"
 
+#include <cerrno>
 #include <cmath>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -51,7 +53,10 @@ void fit(const Eigen::AlignedBox3d& room, std::vector<StampedPose>* poses) {
 
 std::vector<StampedPose> readTum(const std::string& path) {
   std::ifstream in(path);
-  if (!in) throw std::runtime_error(path + ": cannot be read; is the path right?");
+  const auto refuse = [&path] {
+    throw std::runtime_error(path + ": cannot be read: " + std::strerror(errno));
+  };
+  if (!in) refuse();
   std::vector<StampedPose> poses;
   std::string line;
   for (int number = 1; std::getline(in, line); ++number) {
@@ -63,6 +68,7 @@ std::vector<StampedPose> readTum(const std::string& path) {
       throw std::runtime_error(where + ": the time is not later than that of the line before");
     }
   }
+  if (in.bad()) refuse();  // as of a folder
   if (poses.size() < 2) throw std::runtime_error(path + ": holds less than two poses");
   return poses;
 }

@@ -44,9 +44,18 @@ std::shared_ptr<const LearntState> stateOfBag(const Recording& recording, const 
   return state;
 }
 
+void refuseForeignFile(const std::string& path) {
+  const FileContents contents = readFile(path);
+  if (!contents.exists || beginsAsState(contents.bytes)) return;
+  throw std::runtime_error("the file " + path +
+                           " is left untouched: it is not a state file of this program. Choose " +
+                           "another file");
+}
+
 std::shared_ptr<const LearntState> finishedState(const std::string& path, const std::string& bag,
                                                  const std::string& camera) {
   if (!std::filesystem::exists(path)) return nullptr;
+  refuseForeignFile(path);
   const DecodedState decoded = readStateFile(path);
   if (!decoded.state) refuse(path, decoded.error);
   const std::vector<BagRecord>& bags = decoded.state->bags;

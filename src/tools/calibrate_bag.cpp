@@ -15,6 +15,7 @@
 #include "camera_self_calibration/tools/interruption.h"
 #include "camera_self_calibration/tools/report_html.h"
 #include "camera_self_calibration/tools/report_text.h"
+#include "camera_self_calibration/tools/results_folder.h"
 #include "camera_self_calibration/tools/rig_report.h"
 #include "camera_self_calibration/tools/rig_results.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
@@ -114,7 +115,7 @@ void warnOfTruth(const CalibrateBagArguments& arguments,
 }
 
 int runRig(const CalibrateBagArguments& arguments) {
-  if (!arguments.out.empty()) std::filesystem::create_directories(arguments.out);
+  const ResultsFolder folder(arguments.out);
   RigExtras extras = arguments.rig;
   extras.stop = interrupted;
   const RigRecording recording =
@@ -139,7 +140,9 @@ int run(const CalibrateBagArguments& arguments) {
   if (!arguments.topics.empty()) return runRig(arguments);
   ImageSource source = openImages(arguments.source);
   const std::string camera = arguments.camera.empty() ? source.name : arguments.camera;
-  if (!arguments.state_out.empty() && !arguments.overwrite) {
+  if (!arguments.state_out.empty() && arguments.overwrite) {
+    refuseForeignFile(arguments.state_out);
+  } else if (!arguments.state_out.empty()) {
     const auto done = finishedState(arguments.state_out, arguments.source.path, camera);
     // A state has no verdict on a calibration: an audit runs the bag again.
     if (done && !arguments.extras.audited) {
@@ -149,8 +152,7 @@ int run(const CalibrateBagArguments& arguments) {
     }
   }
   if (!source.description.empty()) std::cout << source.description << std::endl;
-  // Before the work rather than after it: a folder that cannot be made.
-  if (!arguments.out.empty()) std::filesystem::create_directories(arguments.out);
+  const ResultsFolder folder(arguments.out);
   CalibrateExtras extras = arguments.extras;
   extras.stop = interrupted;
   const Recording recording = calibrate(&source, arguments.options, extras);

@@ -1,14 +1,15 @@
 #include "camera_self_calibration/tools/calibrate_bag_arguments.h"
 
+#include <algorithm>
 #include <boost/program_options.hpp>
 #include <cmath>
-#include <filesystem>
 #include <set>
 #include <stdexcept>
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
 #include "camera_self_calibration/tools/calibration_file.h"
+#include "camera_self_calibration/tools/results_folder.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
 #include "command_line.h"
 
@@ -16,6 +17,11 @@ namespace camera_self_calibration {
 namespace {
 
 namespace po = boost::program_options;
+
+// Of folders and videos: from a picture each quarter of an hour to the fastest cameras there are.
+constexpr double kLowestRateHz = 1e-3;
+constexpr double kHighestRateHz = 1e5;
+constexpr double kLongestSeconds = 1e9;  // thirty years; ROS counts seconds in 32 bits
 
 constexpr const char* kUsage =
     "Calibrates a camera from a bag, a folder of images or a video, without a ROS master.\n"
@@ -166,22 +172,43 @@ void checkSource(const SourceOptions& source) {
   if (source.path.empty()) {
     throw std::runtime_error("no bag, folder or video is given; see calibrate_bag --help");
   }
-  if (!(source.rate >= 0.0 && source.start_seconds >= 0.0 && source.duration_seconds >= 0.0)) {
-    throw std::runtime_error("--rate, --start and --duration must not be negative");
-  }
+  const auto within = [](const char* option, double value, double low, double high) {
+    if (value == 0.0 || (value >= low && value <= high)) return;
+    throw std::runtime_error(
+        formatted("--%s is %g; it must be 0 or lie between %g and %g", option, value, low, high));
+  };
+  within("rate", source.rate, kLowestRateHz, kHighestRateHz);
+  within("start", source.start_seconds, 0.0, kLongestSeconds);
+  within("duration", source.duration_seconds, 0.0, kLongestSeconds);
+}
+
+/// The name of the parameter that begins the sentence, as an option of the command line.
+std::string asOption(std::string problem) {
+  std::replace(problem.begin(), std::find(problem.begin(), problem.end(), ' '), '_', '-');
+  return problem;
 }
 
 void checkOptions(const Options& options) {
   const std::vector<std::string> problems = options.problems();
   if (problems.empty()) return;
   std::string text = "the options cannot be used:";
-  for (const std::string& problem : problems) text += "\n  - " + withFullStop(problem);
+  for (const std::string& problem : problems) text += "\n  - " + withFullStop(asOption(problem));
   throw std::runtime_error(text);
 }
 
+/// A run removes the results of an earlier one; what it is to start from or to judge stays.
+void refuseResultsAsInput(const po::variables_map& given, const std::string& out) {
+  for (const char* option : {"initial", "audit", "reference-calibration", "ground-truth"}) {
+    if (given.count(option) == 0 || !liesIn(given[option].as<std::string>(), out)) continue;
+    throw std::runtime_error(std::string("--") + option +
+                             " names a file in the folder of --out, whose files a run replaces. "
+                             "Give another folder to --out");
+  }
+}
+
 void readAudited(const po::variables_map& given, CalibrateExtras* extras) {
-  if (!(extras->audit.tolerance_px > 0.0)) {
-    throw std::runtime_error("--audit-tolerance must be positive");
+  if (!(extras->audit.tolerance_px > 0.0 && std::isfinite(extras->audit.tolerance_px))) {
+    throw std::runtime_error("--audit-tolerance must be a positive number of pixels");
   }
   const bool named = given.count("audit-camera") > 0;
   if (given.count("audit") > 0 && given.count("topics") == 0) {
@@ -206,8 +233,9 @@ void readRig(const po::variables_map& given, CalibrateBagArguments* arguments) {
   if (cameras < 2 || cameras > 6) {
     throw std::runtime_error("--topics needs the image topics of two to six cameras");
   }
-  if (rig.baseline_m && !(*rig.baseline_m > 0.0 && std::isfinite(*rig.baseline_m))) {
-    throw std::runtime_error("--baseline must be a positive number of metres");
+  if (rig.baseline_m && !isBaseline(*rig.baseline_m)) {
+    throw std::runtime_error(formatted("--baseline is %g; it must lie between %g and %g m",
+                                       *rig.baseline_m, kShortestBaseline, kLongestBaseline));
   }
   for (const char* option :
        {"topic", "state-out", "camera", "initial", "reference-calibration", "audit-camera"}) {
@@ -221,17 +249,19 @@ void readRig(const po::variables_map& given, CalibrateBagArguments* arguments) {
   rig.example = arguments->report;
   rig.audit = arguments->extras.audit;
   if (given.count("audit") == 0) return;
-  const auto audited = given["audit"].as<std::string>();
-  rig.audited = readRigCalibration(audited);
-  std::error_code none;
-  if (std::filesystem::equivalent(audited, std::filesystem::path(arguments->out) / "camchain.yaml",
-                                  none)) {
-    throw std::runtime_error("--audit names a file that --out would replace; give another folder");
-  }
+  rig.audited = readRigCalibration(given["audit"].as<std::string>());
   if (rig.audited->cameras.size() == cameras) return;
   throw std::runtime_error(
       formatted("the camchain of --audit holds %d cameras, and --topics names %zu",
                 rig.audited->size(), cameras));
+}
+
+void checkStateOut(const CalibrateBagArguments& arguments) {
+  if (!arguments.state_out.empty()) return;
+  if (arguments.overwrite || !arguments.camera.empty()) {
+    throw std::runtime_error(std::string(arguments.overwrite ? "--overwrite" : "--camera") +
+                             " is about the file of --state-out, which is not given");
+  }
 }
 
 void readComparisons(const po::variables_map& given, CalibrateBagArguments* arguments) {
@@ -256,6 +286,7 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
   if (!read) return std::nullopt;
   const po::variables_map& given = *read;
   checkSource(arguments.source);
+  refuseResultsAsInput(given, arguments.out);
   arguments.given = givenOptions(parseCommandLine(argc, argv, description(&arguments), {"input"}));
   const std::string model = given.count("model") > 0 ? given["model"].as<std::string>() : "auto";
   if (model != "auto") arguments.options.model = modelFromName(model);
@@ -271,6 +302,7 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
   readComparisons(given, &arguments);
   arguments.extras.example = arguments.report;
   readRig(given, &arguments);
+  checkStateOut(arguments);
   checkOptions(arguments.options);
   return arguments;
 }

@@ -1,12 +1,10 @@
 #include "camera_self_calibration/tools/calibration_file.h"
 
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include "camera_self_calibration/base/text.h"
@@ -24,7 +22,8 @@ constexpr std::size_t kMaxBytes = 1 << 20;
 }
 
 std::string contents(const std::string& path) {
-  if (std::filesystem::is_directory(path)) {
+  std::error_code unknown;
+  if (std::filesystem::is_directory(path, unknown)) {
     throw std::runtime_error("the calibration file " + path + " is a folder");
   }
   std::string text(kMaxBytes + 1, '\0');
@@ -59,19 +58,6 @@ std::string noted(const std::string& text, const std::string& note) {
   const std::size_t header = text.compare(0, 5, "%YAML") == 0 ? text.find(separator) : 0;
   if (header == 0 || header == std::string::npos) return line + text;
   return std::string(text).insert(header + separator.size(), line);
-}
-
-std::string fitNote(const Camera& camera, const CameraFit& fit) {
-  std::ostringstream note;
-  note << "fitted to " << toString(camera.model())
-       << (camera.parameterCount() == kMaxIntrinsics ? " with k3" : "") << ": off by "
-       << fit.error.rms << " px rms, " << fit.error.max << " px at most";
-  return note.str();
-}
-
-/// A k3 of zero that is left out changes nothing.
-bool isExact(const CameraFit& fit, const Camera& camera) {
-  return fit.camera.model() == camera.model() && fit.error.max == 0.0;
 }
 
 void checkReadBack(const std::string& text, CalibrationFormat format, const Camera& camera) {
@@ -119,13 +105,9 @@ Camera readCalibrationFile(const std::string& path) {
 CameraFit writeCalibration(const std::string& path, const Camera& camera, CalibrationFormat format,
                            const CalibrationLabels& labels) {
   const CameraFit fit = storable(camera, format);
-  if (!std::isfinite(fit.error.max)) {
-    throw std::runtime_error("no model of the format " + toString(format) +
-                             " reaches the whole image of this " + toString(camera.model()) +
-                             " camera");
-  }
   std::string text = calibrationText(fit.camera, format, labels);
-  if (!isExact(fit, camera)) text = noted(text, fitNote(camera, fit));
+  const std::string note = fitNote(camera, fit.error);
+  if (!note.empty()) text = noted(text, note);
   if (!labels.comment.empty()) text = noted(text, labels.comment);
   checkReadBack(text, format, fit.camera);
   replaceFile(path, text);

@@ -3,6 +3,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <array>
+#include <cmath>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
@@ -26,6 +27,14 @@ const std::array<std::pair<CalibrationFormat, const char*>, 7> kNames = {{
 
 bool holds(const std::string& text, const char* words) {
   return text.find(words) != std::string::npos;
+}
+
+/// Without the comments of YAML: words in them say nothing about the format.
+std::string withoutComments(const std::string& text) {
+  std::istringstream lines(text);
+  std::string rest;
+  for (std::string line; std::getline(lines, line);) rest += line.substr(0, line.find('#')) + '\n';
+  return rest;
 }
 
 /// Files of cv::FileStorage, by their keys; others that only begin as one, such as the camchains of
@@ -143,9 +152,11 @@ std::string calibrationFormatNames() {
 }
 
 std::optional<CalibrationFormat> detectCalibrationFormat(const std::string& text) {
-  if (text.compare(0, 5, "%YAML") == 0 || text.compare(0, 5, "<?xml") == 0) {
-    const std::optional<CalibrationFormat> format = detectStorage(text);
-    if (format || text.front() == '<') return format;
+  const bool xml = text.compare(0, 5, "<?xml") == 0;
+  if (xml || text.compare(0, 5, "%YAML") == 0) {
+    const std::optional<CalibrationFormat> format =
+        detectStorage(xml ? text : withoutComments(text));
+    if (format || xml) return format;
   }
   if (looksLikeColmap(text)) return CalibrationFormat::kColmap;
   return detectYaml(text);
@@ -193,7 +204,26 @@ CameraFit storable(const Camera& camera, CalibrationFormat format) {
     throw std::runtime_error("the calibration cannot be fitted by a model of the format " +
                              toString(format));
   }
+  if (!std::isfinite(fit->error.max)) {
+    throw std::runtime_error("no model of the format " + toString(format) +
+                             " reaches the whole image of this " + toString(camera.model()) +
+                             " camera");
+  }
   return *fit;
+}
+
+std::string fitNote(const Camera& camera, const PixelError& error) {
+  if (error.max == 0.0) return {};
+  return "fitted to " + toString(camera.model()) +
+         (camera.parameterCount() == kMaxIntrinsics ? " with k3: " : ": ") + offBy(error);
+}
+
+std::string approximationNote(const std::string& holder, const Camera& camera,
+                              CalibrationFormat format, const CameraFit& fit) {
+  if (fit.error.max == 0.0) return {};
+  return holder + " holds an approximation, since " + toString(format) + " has no " +
+         toString(camera.model()) + " lens like this: " + toString(fit.camera.model()) + ", " +
+         offBy(fit.error) + ".";
 }
 
 std::string calibrationText(const Camera& camera, CalibrationFormat format,

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iostream>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "camera_self_calibration/plotting/difference_chart.h"
@@ -30,7 +31,7 @@ struct Arguments {
   std::string out;
   std::string camera_a;
   std::string camera_b;
-  double limit_px = std::numeric_limits<double>::infinity();
+  std::optional<double> limit_px;
   double radius_px = 1e9;
 };
 
@@ -46,7 +47,8 @@ po::options_description description(Arguments* arguments) {
     ("camera-b", po::value(&arguments->camera_b), "which camera of B, if there are several")
     ("radius", po::value(&arguments->radius_px),
      "only within this distance of A's principal point [px]")
-    ("limit", po::value(&arguments->limit_px), "exit code 2 beyond this distance [px rms]");
+    ("limit", po::value<double>()->notifier([=](double px) { arguments->limit_px = px; }),
+     "exit code 2 beyond this distance [px rms]");
   // clang-format on
   return all;
 }
@@ -60,11 +62,17 @@ void checkSizes(const Camera& a, const Camera& b) {
                            ": pixels of different sizes cannot be compared");
 }
 
+void checkPositive(const char* option, double pixels) {
+  if (pixels > 0.0 && std::isfinite(pixels)) return;
+  throw std::runtime_error(std::string(option) + " must be a positive number of pixels");
+}
+
 int run(const Arguments& arguments) {
   if (arguments.a.empty() || arguments.b.empty()) {
     throw std::runtime_error("two calibrations are needed; see --help");
   }
-  if (!(arguments.radius_px > 0.0)) throw std::runtime_error("--radius must be positive");
+  checkPositive("--radius", arguments.radius_px);
+  if (arguments.limit_px) checkPositive("--limit", *arguments.limit_px);
   const auto file_a = readCalibration(arguments.a, std::nullopt, arguments.camera_a);
   const auto file_b = readCalibration(arguments.b, std::nullopt, arguments.camera_b);
   std::cout << "A: " << describe(arguments.a, file_a) << "B: " << describe(arguments.b, file_b)
@@ -81,7 +89,7 @@ int run(const Arguments& arguments) {
       !cv::imwrite(arguments.out, drawDifference(a, difference).fineImage())) {
     throw std::runtime_error("the picture cannot be written to " + arguments.out);
   }
-  return difference.error.rms > arguments.limit_px ? 2 : 0;
+  return arguments.limit_px && difference.error.rms > *arguments.limit_px ? 2 : 0;
 }
 
 std::optional<Arguments> parse(int argc, const char* const* argv) {

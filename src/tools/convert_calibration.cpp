@@ -5,7 +5,9 @@
 #include <iomanip>
 #include <iostream>
 #include <stdexcept>
+#include <utility>
 
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/calibration_text.h"
 #include "command_line.h"
@@ -32,6 +34,7 @@ struct Arguments {
   std::string to;
   std::string camera;
   CalibrationLabels labels;
+  po::variables_map given;
 };
 
 po::options_description description(Arguments* arguments) {
@@ -47,8 +50,8 @@ po::options_description description(Arguments* arguments) {
     ("camera", po::value(&arguments->camera),
      "which camera of a file with several: cam0, cam1, ... (kalibr), the id (colmap), 1 or 2 (opencv), "
      "Camera1 or Camera2 (orbslam3)")
-    ("name", po::value(&labels.camera_name)->default_value(labels.camera_name),
-     "camera_name in OUT (ros, vins)")
+    ("name", po::value(&labels.camera_name),
+     "camera_name in OUT (ros, vins); default: that of IN (ros, vins), else camera")
     ("topic", po::value(&labels.topic)->default_value(labels.topic), "rostopic in OUT (kalibr)")
     ("rate", po::value(&labels.rate_hz)->default_value(labels.rate_hz),
      "images per second in OUT (orbslam3) [Hz]");
@@ -60,6 +63,45 @@ CalibrationFormat formatNamed(const std::string& option, const std::string& name
   const auto format = calibrationFormatFromString(name);
   if (format) return *format;
   throw std::runtime_error(option + " '" + name + "' is not one of " + calibrationFormatNames());
+}
+
+/// Other formats have names for the cameras of one file, such as cam0.
+bool hasCameraName(CalibrationFormat format) {
+  return format == CalibrationFormat::kRos || format == CalibrationFormat::kVins;
+}
+
+/// What OUT has no place for is refused rather than ignored.
+void checkLabels(const po::variables_map& given, CalibrationFormat to) {
+  for (const auto& [option, has_place] :
+       {std::pair{"name", hasCameraName(to)}, std::pair{"topic", to == CalibrationFormat::kKalibr},
+        std::pair{"rate", to == CalibrationFormat::kOrbSlam3}}) {
+    if (has_place || given.count(option) == 0 || given[option].defaulted()) continue;
+    throw std::runtime_error("--" + std::string(option) + " has no meaning for the format " +
+                             toString(to) + ", which does not hold it; leave it out");
+  }
+}
+
+/// A camera's own name stays what it was, unless another one is asked for.
+CalibrationLabels labelsOf(const Arguments& arguments, const CalibrationInFile& read) {
+  CalibrationLabels labels = arguments.labels;
+  const bool renamed = arguments.given.count("name") > 0;
+  const bool named = hasCameraName(read.format) && !read.stored.name.empty();
+  if (named && !renamed) labels.camera_name = read.stored.name;
+  return labels;
+}
+
+/// Says what of IN is not in OUT; true if there is any.
+bool reportLosses(const StoredCalibration& stored) {
+  if (stored.rectified) {
+    std::cout << "The rectification of IN (R and P, of a stereo pair or of a chosen view) is not "
+                 "written; OUT has the camera alone.\n";
+  }
+  if (stored.windowed) {
+    std::cout << "The binning and region of interest of IN are not written; OUT is for images of "
+                 "the full resolution, "
+              << sizeText(stored.camera.width(), stored.camera.height()) << ".\n";
+  }
+  return stored.rectified || stored.windowed;
 }
 
 void check(const Arguments& arguments) {
@@ -78,18 +120,17 @@ void check(const Arguments& arguments) {
 int run(const Arguments& arguments) {
   check(arguments);
   const CalibrationFormat to = formatNamed("--to", arguments.to);
+  checkLabels(arguments.given, to);
   std::optional<CalibrationFormat> from;
   if (!arguments.from.empty()) from = formatNamed("--from", arguments.from);
   const CalibrationInFile read = readCalibration(arguments.in, from, arguments.camera);
   std::cout << "read  " << describe(arguments.in, read);
-  const CameraFit fit = writeCalibration(arguments.out, read.stored.camera, to, arguments.labels);
+  const CameraFit fit =
+      writeCalibration(arguments.out, read.stored.camera, to, labelsOf(arguments, read));
   std::cout << "wrote " << describe(arguments.out, {{{}, fit.camera}, to});
-  if (read.stored.rectified) {
-    std::cout << "The rectification of IN (R and P, of a stereo pair or of a chosen view) is not "
-                 "written; OUT has the camera alone.\n";
-  }
+  const bool lossy = reportLosses(read.stored);
   if (fit.camera.model() == read.stored.camera.model() && fit.error.max == 0.0) {
-    std::cout << (read.stored.rectified ? "The camera is exact.\n" : "exact\n");
+    std::cout << (lossy ? "The camera is exact.\n" : "exact\n");
     return 0;
   }
   std::cout << std::setprecision(3) << "fitted, since the format has no "
@@ -100,10 +141,10 @@ int run(const Arguments& arguments) {
 
 std::optional<Arguments> parse(int argc, const char* const* argv) {
   Arguments arguments;
-  if (readCommandLine(argc, argv, description(&arguments), {"in", "out"}, kUsage)) {
-    return arguments;
-  }
-  return std::nullopt;
+  const auto given = readCommandLine(argc, argv, description(&arguments), {"in", "out"}, kUsage);
+  if (!given) return std::nullopt;
+  arguments.given = *given;
+  return arguments;
 }
 
 }  // namespace

@@ -66,18 +66,23 @@ void removeEarlier(const fs::path& folder, const std::string& camera,
   }
 }
 
-void writeEpoch(const fs::path& folder, const std::string& stem, const std::string& camera,
-                const EpochSolution& solution, std::set<fs::path>* written) {
-  if (!solution.learnt) return;
+// Returns what the calibration file has in place of the lens; empty if it has the lens, or there is
+// no file.
+std::string writeEpoch(const fs::path& folder, const std::string& stem, const std::string& camera,
+                       const EpochSolution& solution, std::set<fs::path>* written) {
+  if (!solution.learnt) return {};
   const fs::path state = folder / (stem + ".state");
   writeState(state.string(), *solution.learnt);
   written->insert(state);
-  if (solution.health.state != CalibrationState::kConverged) return;
+  if (solution.health.state != CalibrationState::kConverged) return {};
   CalibrationLabels labels;
   labels.camera_name = camera;
   const fs::path calibration = folder / (stem + ".yaml");
-  writeCalibration(calibration.string(), solution.learnt->camera, CalibrationFormat::kRos, labels);
+  const Camera& lens = solution.learnt->camera;
+  const CameraFit fit =
+      writeCalibration(calibration.string(), lens, CalibrationFormat::kRos, labels);
   written->insert(calibration);
+  return approximationNote(stem + ".yaml", lens, CalibrationFormat::kRos, fit);
 }
 
 std::string valuesText(const Camera& lens, const IntrinsicsMatrix& covariance) {
@@ -191,9 +196,19 @@ bool isOwnState(const fs::path& path) {
   return bags.empty() || (bags.size() == 1 && bags[0].state_file.empty());
 }
 
+// Neither a state nor, beside a history that every merge writes, its calibration.
+bool isForeign(const fs::path& file, const fs::path& history) {
+  if (file.extension() == ".yaml") return !fs::exists(history);
+  return !beginsAsState(readFile(file.string()).bytes);
+}
+
+fs::path historyFile(const fs::path& folder, const std::string& camera) {
+  return folder / (fileStem(camera) + ".history.csv");
+}
+
 }  // namespace
 
-void refuseToReplaceBags(const std::vector<CameraHistory>& histories, const std::string& folder) {
+void refuseToReplaceOthers(const std::vector<CameraHistory>& histories, const std::string& folder) {
   std::set<fs::path> states;
   // Of another machine perhaps, where this one may not look.
   std::error_code ignored;
@@ -204,10 +219,13 @@ void refuseToReplaceBags(const std::vector<CameraHistory>& histories, const std:
   }
   for (const CameraHistory& history : histories) {
     for (const fs::path& file : epochFiles(folder, history.name)) {
-      if (states.count(fs::weakly_canonical(file)) == 0 || !isOwnState(file)) continue;
+      const bool foreign = isForeign(file, historyFile(folder, history.name));
+      const bool of_bag = states.count(fs::weakly_canonical(file)) > 0 && isOwnState(file);
+      if (!foreign && !of_bag) continue;
       throw std::runtime_error("the result for the camera '" + history.name + "' would replace " +
-                               file.string() +
-                               ", which holds the result of one bag: give another folder to --out");
+                               file.string() + ", which " +
+                               (foreign ? "no merge has written" : "holds the result of one bag") +
+                               ": give another folder to --out");
     }
   }
 }
@@ -225,16 +243,17 @@ CameraResult writeCamera(const CameraHistory& history, const SegmentStore& store
     addWorth(epoch, &result.worth);
     result.epochs.push_back(std::move(epoch));
   }
+  writeText(historyFile(folder, history.name), historyText(result));
   // All segments are loaded: what they were read from may be replaced.
   std::set<fs::path> written;
   bool solved = true;
   for (int e = 0; e < history.epochs(); ++e) {
-    EpochSolution& solution = result.epochs[static_cast<std::size_t>(e)].solution;
-    writeEpoch(folder, stemOf(history, e), history.name, solution, &written);
+    EpochResult& epoch = result.epochs[static_cast<std::size_t>(e)];
+    EpochSolution& solution = epoch.solution;
+    epoch.approximation = writeEpoch(folder, stemOf(history, e), history.name, solution, &written);
     solved = solved && solution.learnt;
     solution.learnt.reset();
   }
-  writeText(fs::path(folder) / (fileStem(history.name) + ".history.csv"), historyText(result));
   removeEarlier(folder, history.name, written, solved);
   return result;
 }

@@ -117,6 +117,9 @@ std::string sentenceOf(const CameraResult& camera) {
   if (missing > 0) {
     text += formatted(" %d better segments are in state files that are gone.", missing);
   }
+  for (const EpochResult& epoch : camera.epochs) {
+    if (!epoch.approximation.empty()) text += " " + epoch.approximation;
+  }
   return text + aside(camera) + siblingsText(camera.siblings);
 }
 

@@ -48,9 +48,8 @@ std::pair<int, int> sizeOf(const OpenCvStorage& storage) {
     if (storage.has(width)) return {storage.wholeNumber(width), storage.wholeNumber(height)};
   }
   throw std::runtime_error(
-      "'image_width' and 'image_height' are missing; add them to the file, since they are not to "
-      "be "
-      "distinguished from the rest");
+      "'image_width' and 'image_height' are missing: add the size of the images to the file, in "
+      "lines such as 'image_width: 640' and 'image_height: 480'");
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/model_conversion.h"
+#include "camera_self_calibration/ros/sensor_window.h"
 #include "format_text.h"
 
 namespace camera_self_calibration {
@@ -43,6 +44,12 @@ std::vector<double> list(const YAML::Node& yaml, const char* key, std::size_t co
                            " values, not " + std::to_string(count));
 }
 
+/// 0, which stands for the default in a CameraInfo, where it is not there.
+std::uint32_t orZero(const YAML::Node& yaml, const char* key) {
+  const YAML::Node value = yaml[key];
+  return value ? value.as<std::uint32_t>() : 0;
+}
+
 /// A sensor_msgs/CameraInfo as rostopic prints it.
 sensor_msgs::CameraInfo messageOf(const YAML::Node& yaml) {
   sensor_msgs::CameraInfo info;
@@ -52,6 +59,14 @@ sensor_msgs::CameraInfo messageOf(const YAML::Node& yaml) {
   info.D = list(yaml, "D", 0);
   const std::vector<double> k = list(yaml, "K", 9);
   std::copy(k.begin(), k.end(), info.K.begin());
+  info.binning_x = orZero(yaml, "binning_x");
+  info.binning_y = orZero(yaml, "binning_y");
+  if (const YAML::Node roi = yaml["roi"]; roi && roi.IsMap()) {
+    info.roi.x_offset = orZero(roi, "x_offset");
+    info.roi.y_offset = orZero(roi, "y_offset");
+    info.roi.width = orZero(roi, "width");
+    info.roi.height = orZero(roi, "height");
+  }
   if (yaml["R"]) {
     const std::vector<double> r = list(yaml, "R", 9);
     std::copy(r.begin(), r.end(), info.R.begin());
@@ -72,6 +87,13 @@ bool hasRectification(const sensor_msgs::CameraInfo& info) {
   const bool other_view = p[0] != info.K[0] || p[5] != info.K[4] || p[2] != info.K[2] ||
                           p[6] != info.K[5] || p[3] != 0.0 || p[7] != 0.0;
   return turned || other_view;
+}
+
+/// Whether images are binned, or show a part of the sensor.
+bool hasWindow(const sensor_msgs::CameraInfo& info) {
+  const std::optional<SensorWindow> window = sensorWindow(info);
+  return !window || window->imageWidth() != window->full_width ||
+         window->imageHeight() != window->full_height;
 }
 
 /// The parser of ROS ends the process where a matrix has an unexpected size.
@@ -105,13 +127,19 @@ StoredCalibration parseRos(const std::string& text) {
     if (!camera_calibration_parsers::readCalibrationYml(stream, stored.name, info)) {
       throw std::runtime_error("it is no calibration in the YAML format of ROS");
     }
+    if (!first["camera_name"]) stored.name.clear();  // the parser makes one up
   }
   const std::optional<Camera> camera = toCamera(info);
-  if (!camera) throw std::runtime_error(whyNoStart(info, CameraModel::kRadtan));
+  if (!camera) {
+    const std::string problem = whyNoCamera(info);
+    if (problem.empty()) refuseRational();
+    throw std::runtime_error(problem);
+  }
   const Intrinsics& p = camera->parameters();
   stored.camera = makeCamera(camera->model(), camera->width(), camera->height(),
                              std::vector<double>(p.data(), p.data() + p.size()));
   stored.rectified = hasRectification(info);
+  stored.windowed = hasWindow(info);
   return stored;
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "camera_self_calibration/camera/image_size.h"
+#include "camera_self_calibration/camera/plausibility.h"
 
 namespace camera_self_calibration {
 
@@ -12,6 +13,10 @@ std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index 
   for (Eigen::Index i = 0; i < count; ++i)
     text += (i > 0 ? ", " : "") + exactText(values[first + i]);
   return text;
+}
+
+std::string offBy(const PixelError& error) {
+  return formatted("off by %.3g px rms, %.3g px at most", error.rms, error.max);
 }
 
 std::string withoutStorageHeader(const std::string& text) {
@@ -35,15 +40,19 @@ Camera makeCamera(CameraModel model, int width, int height, const std::vector<do
   const Camera camera(
       model, width, height,
       Eigen::Map<const Eigen::VectorXd>(values.data(), static_cast<Eigen::Index>(values.size())));
-  // Focal lengths of no lens: a tenth of a pixel per image, or a thousand images.
-  const double least = 1e-3 * std::max(width, height);
-  const double most = 1e3 * std::max(width, height);
-  const auto plausible = [&](double f) { return f >= least && f <= most; };
-  if (!camera.valid() || !plausible(values[0]) || !plausible(values[1])) {
+  if (!camera.valid()) {
     throw std::runtime_error("its values are out of range: " +
                              listText(camera.parameters(), 0, camera.parameterCount()));
   }
+  const std::string problem = implausibility(camera);
+  if (!problem.empty()) throw std::runtime_error(problem);
   return camera;
+}
+
+void refuseRational() {
+  throw std::runtime_error(
+      "it has the coefficients k4, k5, k6 or more, which none of the models pinhole, fov, radtan, "
+      "equidistant has");
 }
 
 Camera makeDistortedCamera(int width, int height, const std::vector<double>& focal_and_centre,
@@ -52,12 +61,7 @@ Camera makeDistortedCamera(int width, int height, const std::vector<double>& foc
   std::vector<double> distortion = coefficients;
   while (!distortion.empty() && distortion.back() == 0.0) distortion.pop_back();
   if (distortion.empty()) return makeCamera(CameraModel::kPinhole, width, height, values);
-  if (distortion.size() > 5) {
-    throw std::runtime_error(
-        "it has the coefficients k4, k5, k6 or more, which none of the models pinhole, fov, "
-        "radtan, "
-        "equidistant has");
-  }
+  if (distortion.size() > 5) refuseRational();
   distortion.resize(std::max<std::size_t>(4, distortion.size()), 0.0);
   values.insert(values.end(), distortion.begin(), distortion.end());
   return makeCamera(CameraModel::kRadtan, width, height, values);

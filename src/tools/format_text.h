@@ -13,16 +13,21 @@ namespace camera_self_calibration {
 /// "1, 2, 3" of `count` values from `first` on.
 std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index count);
 
+/// "off by 0.1 px rms, 0.3 px at most".
+std::string offBy(const PixelError& error);
+
 /// The text without the line "%YAML:1.0" of cv::FileStorage, which is no YAML.
 std::string withoutStorageHeader(const std::string& text);
 
-/// A camera from values read; throws std::runtime_error on a wrong count, a size that is not
-/// positive, or values out of range.
+/// A camera from values read; throws std::runtime_error on a wrong count, or where it cannot be one
+/// of any lens (implausibility()).
 Camera makeCamera(CameraModel model, int width, int height, const std::vector<double>& values);
 
+/// Throws std::runtime_error: no model here has coefficients after k3.
+[[noreturn]] void refuseRational();
+
 /// radtan from k1 k2 p1 p2 and further coefficients of OpenCV's order (k3 k4 k5 k6 ...): without
-/// those that are 0; pinhole if all are. Throws where coefficients after k3 are not 0, since no
-/// model here has them.
+/// those that are 0; pinhole if all are. Throws where coefficients after k3 are not 0.
 Camera makeDistortedCamera(int width, int height, const std::vector<double>& focal_and_centre,
                            const std::vector<double>& coefficients);
 

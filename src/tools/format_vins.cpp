@@ -1,5 +1,7 @@
 // The camera files of VINS-Mono and VINS-Fusion (camodocal).
 
+#include <algorithm>
+#include <cctype>
 #include <stdexcept>
 
 #include "format_text.h"
@@ -26,6 +28,21 @@ std::string groupText(const std::string& group, const std::vector<const char*>& 
     text += "   " + std::string(name) + ": " + exactText(values[first++]) + "\n";
   }
   return text;
+}
+
+/// As OpenCV reads a text: in quotation marks, unless it is a plain word.
+std::string wordText(const std::string& word) {
+  const auto isPlain = [](char c) {
+    return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0;
+  };
+  const bool number = word.empty() || std::isdigit(static_cast<unsigned char>(word.front())) != 0;
+  if (!number && std::all_of(word.begin(), word.end(), isPlain)) return word;
+  std::string text;
+  for (const char c : word) {
+    if (c == '"' || c == '\\') text += '\\';
+    text += c == '\n' ? "\\n" : std::string(1, c);
+  }
+  return '"' + text + '"';
 }
 
 }  // namespace
@@ -56,7 +73,7 @@ std::string vinsText(const Camera& camera, const CalibrationLabels& labels) {
   const bool fisheye = camera.model() == CameraModel::kEquidistant;
   std::string text = "%YAML:1.0\n---\nmodel_type: ";
   text += fisheye ? "KANNALA_BRANDT" : "PINHOLE";
-  text += "\ncamera_name: " + labels.camera_name +
+  text += "\ncamera_name: " + wordText(labels.camera_name) +
           "\nimage_width: " + std::to_string(camera.width()) +
           "\nimage_height: " + std::to_string(camera.height()) + "\n";
   Intrinsics p = camera.parameters();

@@ -1,16 +1,19 @@
 #include "camera_self_calibration/tools/image_source.h"
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <vector>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/stamps.h"
 
 namespace camera_self_calibration {
@@ -53,16 +56,13 @@ std::string orderText(const std::vector<fs::path>& files, double rate) {
          formatted(", taken as %g Hz, from 0 s on.", rate);
 }
 
-std::vector<std::uint8_t> bytesOf(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
 GrayImage imageIn(const fs::path& file, std::int64_t stamp_ns, GrayConverter* converter) {
+  const FileContents contents = readFile(file.string());
+  if (!contents.error.empty()) return {std::nullopt, contents.error};
   sensor_msgs::CompressedImage message;
   message.header.stamp = toRosTime(stamp_ns);
   message.format = file.extension().string();
-  message.data = bytesOf(file);
+  message.data.assign(contents.bytes.begin(), contents.bytes.end());
   GrayImage image = converter->convert(message);
   if (!image.view) image.error = file.string() + ": " + image.error;
   return image;
@@ -76,13 +76,14 @@ struct IndexRange {
 
 IndexRange indexRange(const SourceOptions& options, double rate, std::int64_t total) {
   const auto index = [&](double seconds) {
-    return static_cast<std::int64_t>(std::ceil(seconds * rate - 1e-6));
+    const double count = std::ceil(seconds * rate - 1e-6);
+    return static_cast<std::int64_t>(std::clamp(count, 0.0, static_cast<double>(total)));
   };
   IndexRange range;
-  range.begin = std::min(total, index(options.start_seconds));
+  range.begin = index(options.start_seconds);
   range.end = total;
   if (options.duration_seconds > 0.0) {
-    range.end = std::min(total, index(options.start_seconds + options.duration_seconds));
+    range.end = index(options.start_seconds + options.duration_seconds);
   }
   return range;
 }
@@ -122,9 +123,22 @@ ImageSource openFolder(const SourceOptions& options) {
 ImageSource openImages(const SourceOptions& options) {
   const fs::path path(options.path);
   if (!fs::exists(path)) throw std::runtime_error("there is no file or folder " + options.path);
-  if (fs::is_directory(path)) return openFolder(options);
-  if (path.extension() == ".bag" || beginsAsBag(path)) return openBag(options);
-  return openVideo(options);
+  if (::access(path.c_str(), R_OK) != 0) {
+    throw std::runtime_error(options.path + " cannot be read: " + std::strerror(errno));
+  }
+  const bool folder = fs::is_directory(path);
+  const bool bag = !folder && (path.extension() == ".bag" || beginsAsBag(path));
+  if (bag && options.rate > 0.0) {
+    throw std::runtime_error(
+        "the images of a bag have times of their own: --rate is for folders and videos. Leave it "
+        "out");
+  }
+  if (!bag && !options.topic.empty()) {
+    throw std::runtime_error("--topic chooses images of a bag, which " + options.path +
+                             " is not. Leave it out");
+  }
+  if (bag) return openBag(options);
+  return folder ? openFolder(options) : openVideo(options);
 }
 
 }  // namespace camera_self_calibration

@@ -1,6 +1,8 @@
 // Merges what many bags told of many cameras: the program merge_calibrations.
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -64,7 +66,7 @@ po::options_description description(Arguments* arguments) {
 
 void addLines(const std::string& path, std::vector<std::string>* lines) {
   std::ifstream file(path);
-  if (!file) throw std::runtime_error(path + " cannot be read");
+  if (!file) throw std::runtime_error(path + " cannot be read: " + std::strerror(errno));
   for (std::string line; std::getline(file, line);) lines->push_back(line);
 }
 
@@ -161,7 +163,7 @@ int run(const Arguments& arguments) {
   const std::vector<CameraHistory> histories =
       historiesOf(std::move(read.records), read.store, arguments.level);
   checkNames(histories);
-  refuseToReplaceBags(histories, arguments.out);
+  refuseToReplaceOthers(histories, arguments.out);
   const std::vector<CameraResult> cameras = solveAll(histories, read.store, arguments);
   for (const CameraResult& camera : cameras) {
     std::cout << camera.history.name << ": " << toString(verdictOf(camera)) << " ("

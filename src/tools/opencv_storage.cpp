@@ -1,10 +1,12 @@
 #include "opencv_storage.h"
 
+#include <algorithm>
+#include <cctype>
 #include <climits>
 #include <cstdlib>
 #include <opencv2/core.hpp>
-#include <regex>
 #include <stdexcept>
+#include <string_view>
 
 namespace camera_self_calibration {
 namespace {
@@ -25,14 +27,59 @@ bool isShort(const cv::FileNode& side) {
   return side.isInt() && static_cast<int>(side) >= 0 && static_cast<int>(side) <= kLongest;
 }
 
-/// OpenCV takes the lowest 32 bits of an integer that has more.
-void refuseLongIntegers(const std::string& text) {
-  static const std::regex kLong(R"((^|[\s:,\[>])([-+]?0*[1-9]\d{9,})(?=[\s,\]<]|$))");
-  for (std::sregex_iterator it(text.begin(), text.end(), kLong), end; it != end; ++it) {
-    const std::string digits = (*it)[2];
-    const long long value = std::strtoll(digits.c_str(), nullptr, 10);
-    if (value > INT_MAX || value < INT_MIN) {
-      throw std::runtime_error("the number " + digits + " is too large");
+constexpr const char* kDigits = "0123456789";
+
+/// OpenCV takes the lowest 32 bits of an integer that has more, and one that begins with 0 as
+/// octal.
+void refuseMisread(const std::string& word) {
+  const std::size_t begin = word.front() == '-' || word.front() == '+' ? 1 : 0;
+  const std::size_t end = std::min(word.find_first_not_of(kDigits, begin), word.size());
+  const char behind = end < word.size() ? word[end] : ' ';
+  if (begin == end || behind == '.' || behind == 'e') return;  // a word, or a number with decimals
+  const long long value = std::strtoll(word.c_str(), nullptr, 0);
+  if (value > INT_MAX || value < INT_MIN) {
+    throw std::runtime_error("the number " + word + " is too large");
+  }
+  const bool hexadecimal = behind == 'x' || behind == 'X';
+  if (hexadecimal || value == std::strtoll(word.c_str(), nullptr, 10)) return;
+  throw std::runtime_error("the number " + word +
+                           " begins with 0, which OpenCV takes as octal; leave the zeros out");
+}
+
+bool isOfWord(char c) {
+  constexpr std::string_view kOthers = "+-._!";
+  return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+         kOthers.find(c) != std::string_view::npos;
+}
+
+/// Where the quoted text ends that begins at `at`; the next character if none does on this line.
+std::size_t behindQuoted(const std::string& text, std::size_t at) {
+  for (std::size_t i = at + 1; i < text.size() && text[i] != '\n'; ++i) {
+    if (text[i] == text[at]) return i + 1;
+    if (text[i] == '\\') ++i;
+  }
+  return at + 1;
+}
+
+/// Throws at the first integer, outside of texts and comments, that OpenCV would take as another.
+void refuseMisreadIntegers(const std::string& text) {
+  const bool xml = text.compare(0, 1, "<") == 0;
+  bool value = true;  // whether the next word is one, rather than the rest of an unquoted text
+  for (std::size_t at = 0, next = 0; at < text.size(); at = next) {
+    next = at + 1;
+    if (isOfWord(text[at])) {
+      while (next < text.size() && isOfWord(text[next])) ++next;
+      const std::string word = text.substr(at, next - at);
+      if (value || xml) refuseMisread(word);
+      value = word == "-" || word.front() == '!';  // an item of a list, a type
+    } else if (text[at] == '"' || text[at] == '\'') {
+      next = behindQuoted(text, at);
+    } else if (!xml && text[at] == '#') {
+      next = std::min(text.find('\n', at), text.size());
+    } else if (xml && text.compare(at, 4, "<!--") == 0) {
+      next = std::min(text.find("-->", at), text.size());
+    } else if (text[at] != ' ' && text[at] != '\t') {
+      value = true;
     }
   }
 }
@@ -40,7 +87,7 @@ void refuseLongIntegers(const std::string& text) {
 }  // namespace
 
 OpenCvStorage::OpenCvStorage(const std::string& text) {
-  refuseLongIntegers(text);
+  refuseMisreadIntegers(text);
   bool opened = false;
   try {
     opened = storage_.open(text, cv::FileStorage::READ | cv::FileStorage::MEMORY);

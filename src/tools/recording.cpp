@@ -178,12 +178,9 @@ std::vector<std::string> writeCalibrations(const fs::path& folder, const std::st
   for (const auto& [file, format] : {std::pair{ros_file, CalibrationFormat::kRos},
                                      std::pair{kalibr_file, CalibrationFormat::kKalibr}}) {
     const CameraFit fit = writeCalibration(file.string(), report.camera, format, labels);
-    if (fit.error.max == 0.0) continue;
-    notes.push_back(formatted(
-        "%s holds an approximation, since %s has no %s lens like this: %s, off "
-        "by %.2g px rms, %.2g px at most.",
-        file.filename().c_str(), toString(format).c_str(), toString(report.camera.model()).c_str(),
-        toString(fit.camera.model()).c_str(), fit.error.rms, fit.error.max));
+    const std::string note =
+        approximationNote(file.filename().string(), report.camera, format, fit);
+    if (!note.empty()) notes.push_back(note);
   }
   return notes;
 }

@@ -23,6 +23,8 @@ double widthOfView(const Camera& camera) {
   return std::isfinite(horizontal) ? horizontal * kDegree : 2.0 * M_PI;
 }
 
+std::string commentLine(const std::string& text) { return text.empty() ? "" : "# " + text + "\n"; }
+
 std::string motionText(const Rigid3& motion) {
   Eigen::Matrix<double, 3, 4> rows;
   rows << motion.rotation.toRotationMatrix(), motion.translation;
@@ -40,7 +42,7 @@ void copyTo(const cv::Mat& matrix, Array* values) {
   std::copy(matrix.begin<double>(), matrix.end<double>(), values->begin());
 }
 
-/// Both in one distortion model, which is that of the rectification.
+/// The pair in one distortion model, which is that of the rectification.
 std::optional<OutputModel> commonModel(const Rig& rig) {
   std::vector<std::string> names;
   for (const Camera& camera : rig.cameras) {
@@ -51,6 +53,12 @@ std::optional<OutputModel> commonModel(const Rig& rig) {
   const bool both = std::all_of(names.begin(), names.end(),
                                 [](const std::string& name) { return name == "plumb_bob"; });
   return both ? OutputModel::kPlumbBob : OutputModel::kEquidistant;
+}
+
+/// Nothing where the distortion model does not reach the whole image.
+std::optional<CameraInfoConversion> wholeInfo(const Camera& camera, OutputModel model) {
+  const auto conversion = toCameraInfo(camera, model);
+  return conversion && std::isfinite(conversion->error.max) ? conversion : std::nullopt;
 }
 
 std::string whyNoPair(const Rig& rig) {
@@ -99,16 +107,28 @@ void rectify(const Rigid3& right_from_left, OutputModel model, StereoPair* pair)
 
 std::string rigCamchain(const Rig& rig, const std::vector<std::string>& topics,
                         const std::string& comment) {
-  std::string text = comment.empty() ? "" : "# " + comment + "\n";
+  std::string text = commentLine(comment);
   for (int c = 0; c < rig.size(); ++c) {
     CalibrationLabels labels;
     labels.topic = topics[c];
-    text += kalibrText(storable(rig.cameras[c], CalibrationFormat::kKalibr).camera, labels,
-                       formatted("cam%d", c));
+    const CameraFit fit = storable(rig.cameras[c], CalibrationFormat::kKalibr);
+    text += commentLine(fitNote(rig.cameras[c], fit.error));
+    text += kalibrText(fit.camera, labels, formatted("cam%d", c));
     if (c == 0) continue;
     text += motionText(rig.rig_from_camera[c].inverse() * rig.rig_from_camera[c - 1]);
   }
   return text;
+}
+
+std::vector<std::string> camchainNotes(const Rig& rig, const std::string& file) {
+  std::vector<std::string> notes;
+  for (int c = 0; c < rig.size(); ++c) {
+    const CameraFit fit = storable(rig.cameras[c], CalibrationFormat::kKalibr);
+    const std::string note = approximationNote(formatted("cam%d in %s", c, file.c_str()),
+                                               rig.cameras[c], CalibrationFormat::kKalibr, fit);
+    if (!note.empty()) notes.push_back(note);
+  }
+  return notes;
 }
 
 std::string scaleNote(const RigEstimate& estimate) {
@@ -122,17 +142,26 @@ std::optional<StereoPair> stereoPair(const Rig& rig, std::string* problem) {
   StereoPair pair;
   if (rig.rig_from_camera[1].translation.x() < 0.0) std::swap(pair.left, pair.right);
   const auto model = commonModel(rig);
-  const auto left = model ? toCameraInfo(rig.cameras[pair.left], *model) : std::nullopt;
-  const auto right = model ? toCameraInfo(rig.cameras[pair.right], *model) : std::nullopt;
+  const auto left = model ? wholeInfo(rig.cameras[pair.left], *model) : std::nullopt;
+  const auto right = model ? wholeInfo(rig.cameras[pair.right], *model) : std::nullopt;
   if (!left || !right) {
     *problem = "the lenses have no distortion model of ROS in common";
     return std::nullopt;
   }
   pair.left_info = left->info;
   pair.right_info = right->info;
+  pair.left_error = left->error;
+  pair.right_error = right->error;
   rectify(rig.rig_from_camera[pair.right].inverse() * rig.rig_from_camera[pair.left], *model,
           &pair);
   return pair;
+}
+
+std::string stereoNote(const std::string& holder, const sensor_msgs::CameraInfo& info,
+                       const PixelError& error) {
+  if (error.max == 0.0) return {};
+  return holder + " holds an approximation, since both of a pair have one distortion model: " +
+         info.distortion_model + ", " + offBy(error) + ".";
 }
 
 }  // namespace camera_self_calibration

@@ -11,6 +11,7 @@
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/tools/calibration_format.h"
 #include "camera_self_calibration/tools/report_text.h"
 #include "camera_self_calibration/tools/rig_files.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
@@ -90,29 +91,45 @@ void writeFile(const fs::path& path, const std::function<void(std::ostream&)>& w
   if (!file.flush()) throw std::runtime_error(path.string() + " cannot be written");
 }
 
-void writeInfo(const fs::path& path, const std::string& name, const sensor_msgs::CameraInfo& info) {
+void writeInfo(const fs::path& path, const std::string& name, const sensor_msgs::CameraInfo& info,
+               const std::string& comment) {
   writeFile(path, [&](std::ostream& file) {
+    if (!comment.empty()) file << "# " << comment << '\n';
     if (!camera_calibration_parsers::writeCalibrationYml(file, name, info)) {
       throw std::runtime_error(path.string() + " cannot be written");
     }
   });
 }
 
+std::vector<std::string> writePair(const fs::path& folder, const RigRecording& recording) {
+  const RigEstimate& estimate = recording.estimate;
+  std::string problem;
+  const auto pair = stereoPair(estimate.rig, &problem);
+  if (!pair) return {asSentence(problem)};
+  std::vector<std::string> notes = {
+      formatted("left.yaml is of %s, right.yaml of %s, for stereo_image_proc%s.",
+                recording.topics[pair->left].c_str(), recording.topics[pair->right].c_str(),
+                estimate.metric ? "" : "; its depths are in baselines")};
+  const auto write = [&](const std::string& name, int camera, const sensor_msgs::CameraInfo& info,
+                         const PixelError& error) {
+    writeInfo(folder / (name + ".yaml"), name, info, fitNote(estimate.rig.cameras[camera], error));
+    const std::string note = stereoNote(name + ".yaml", info, error);
+    if (!note.empty()) notes.push_back(note);
+  };
+  write("left", pair->left, pair->left_info, pair->left_error);
+  write("right", pair->right, pair->right_info, pair->right_error);
+  return notes;
+}
+
 std::vector<std::string> writeCalibration(const fs::path& folder, const RigRecording& recording) {
   for (const char* name : {"camchain.yaml", "left.yaml", "right.yaml"}) fs::remove(folder / name);
   if (!recording.converged()) return {};
   const RigEstimate& estimate = recording.estimate;
-  writeFile(folder / "camchain.yaml", [&](std::ostream& file) {
-    file << rigCamchain(estimate.rig, recording.topics, scaleNote(estimate));
-  });
-  std::string problem;
-  const auto pair = stereoPair(estimate.rig, &problem);
-  if (!pair) return {asSentence(problem)};
-  writeInfo(folder / "left.yaml", "left", pair->left_info);
-  writeInfo(folder / "right.yaml", "right", pair->right_info);
-  return {formatted("left.yaml is of %s, right.yaml of %s, for stereo_image_proc%s.",
-                    recording.topics[pair->left].c_str(), recording.topics[pair->right].c_str(),
-                    estimate.metric ? "" : "; its depths are in baselines")};
+  const std::string chain = rigCamchain(estimate.rig, recording.topics, scaleNote(estimate));
+  writeFile(folder / "camchain.yaml", [&chain](std::ostream& file) { file << chain; });
+  std::vector<std::string> notes = camchainNotes(estimate.rig, "camchain.yaml");
+  for (const std::string& note : writePair(folder, recording)) notes.push_back(note);
+  return notes;
 }
 
 std::string auditText(const RigAudit& audit) {

@@ -16,7 +16,7 @@ namespace {
 constexpr const char* kFormat = "camera_self_calibration rig 1";
 constexpr std::size_t kMostCameras = 6;
 constexpr std::size_t kMostBytes = 1 << 20;
-constexpr double kLongest = 1e6;  // of a position
+constexpr double kLongest = 1e3 * kLongestBaseline;  // of a position: others may be farther away
 // Of the numbers of a rotation, and of eigenvalues that are 0.
 constexpr double kRounding = 1e-6;
 

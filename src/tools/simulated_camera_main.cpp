@@ -2,11 +2,10 @@
 
 #include <ros/ros.h>
 
-#include <cstring>
-#include <iostream>
 #include <memory>
 #include <vector>
 
+#include "camera_self_calibration/ros/usage.h"
 #include "camera_self_calibration/tools/simulated_camera.h"
 
 namespace {
@@ -32,10 +31,7 @@ constexpr const char* kUsage =
 
 int main(int argc, char** argv) {
   using namespace camera_self_calibration;
-  if (argc > 1 && (std::strcmp(argv[1], "--help") == 0 || std::strcmp(argv[1], "-h") == 0)) {
-    std::cout << kUsage;
-    return 0;
-  }
+  if (printsUsage(argc, argv, kUsage)) return 0;
   ros::init(argc, argv, "simulated_camera");
   const ros::NodeHandle node;
   try {

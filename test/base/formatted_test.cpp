@@ -44,6 +44,8 @@ TEST(Formatted, BecomesASentence) {
 TEST(SentencesOf, TheSecondMayBeMissing) {
   EXPECT_EQ(sentencesOf("it is good", "go on"), "It is good. Go on.");
   EXPECT_EQ(sentencesOf("it is good", ""), "It is good.");
+  EXPECT_EQ(sentencesOf("", "go on"), "Go on.");
+  EXPECT_EQ(sentencesOf("", ""), "");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "camera/sample_cameras.h"
 
@@ -25,6 +26,26 @@ TEST(Plausibility, OfRealLenses) {
   EXPECT_EQ(implausibility(camera640(CameraModel::kEquidistant, {160, 160, 320, 240, 0, 0, 0, 0})),
             "")
       << "a lens of 230 degrees";
+  EXPECT_EQ(implausibility(camera640(CameraModel::kRadtan,
+                                     {9000, 9000, 320, 240, 0.4, -30, 0.001, 0.002, 4000})),
+            "")
+      << "a long lens, whose coefficients are nearly free";
+}
+
+TEST(Plausibility, OfDistortionThatNoLensHas) {
+  const auto problem = [](CameraModel model, std::size_t coefficient, double value) {
+    std::vector<double> values = {400, 400, 320, 240, -0.2, 0.1, 0, 0};
+    values[coefficient] = value;
+    return implausibility(
+        Camera(model, 640, 480, Eigen::Map<const Eigen::VectorXd>(values.data(), 8)));
+  };
+  EXPECT_NE(problem(CameraModel::kRadtan, 4, 1e30).find("k1 = 1e+30"), std::string::npos);
+  EXPECT_NE(problem(CameraModel::kRadtan, 6, -1e30).find("p1 = -1e+30"), std::string::npos);
+  EXPECT_NE(problem(CameraModel::kEquidistant, 7, 1e6).find("k4 = 1e+06"), std::string::npos);
+  for (std::size_t i = 4; i < 8; ++i) {
+    EXPECT_EQ(problem(CameraModel::kRadtan, i, 2.0), "") << i;
+    EXPECT_EQ(problem(CameraModel::kEquidistant, i, -2.0), "") << i;
+  }
 }
 
 TEST(Plausibility, OfValuesThatNoCameraHas) {

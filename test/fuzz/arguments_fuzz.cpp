@@ -1,12 +1,15 @@
-// The command line of calibrate_bag and the files that it names: arguments within their bounds, or
-// an exception.
+// The command line of calibrate_bag and the files that it names: arguments within their bounds that
+// can be read from, or an exception.
 
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <cstdlib>
+#include <fstream>
 #include <sstream>
 
 #include "camera_self_calibration/tools/calibrate_bag_arguments.h"
+#include "camera_self_calibration/tools/image_source.h"
 #include "fuzz_bytes.h"
 
 namespace camera_self_calibration {
@@ -37,6 +40,29 @@ std::vector<std::string> argumentsOf(const std::string& text) {
   return arguments;
 }
 
+/// A folder of three pictures, each a pixel.
+const std::string& pictures() {
+  static const std::string folder = [] {
+    std::string name = "/tmp/arguments_fuzz_XXXXXX";
+    require(::mkdtemp(name.data()) != nullptr, "there is a folder for pictures");
+    for (const char* picture : {"/1.pgm", "/2.pgm", "/3.pgm"}) {
+      std::ofstream(name + picture) << "P5 1 1 255 x";
+    }
+    return name;
+  }();
+  return folder;
+}
+
+/// That the times asked for lead to no picture that is not there.
+void readPictures(SourceOptions source) {
+  source.path = pictures();
+  source.topic.clear();
+  const ImageSource images = openImages(source);
+  std::int64_t count = 0;
+  while (images.next()) ++count;
+  require(count == images.count && count <= 3, "the images that are said to come do come");
+}
+
 }  // namespace
 }  // namespace camera_self_calibration
 
@@ -54,6 +80,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     if (!arguments) return 0;
     require(arguments->options.problems().empty(), "options are within their bounds");
     require(!arguments->source.path.empty(), "there is something to read");
+    readPictures(arguments->source);
   } catch (const std::exception& e) {
     require(!std::string(e.what()).empty(), "an error says what is wrong");
   }

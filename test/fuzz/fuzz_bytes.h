@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,10 +19,14 @@ inline void require(bool holds, const std::string& what) {
   std::abort();
 }
 
-/// A number that bounds like to be tried with: any bits, or a plain one.
+/// A number that bounds like to be tried with: a plain one, any finite one, or one of those that
+/// comparisons and arithmetic forget.
 inline double anyNumber(FuzzedDataProvider* data) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  if (!data->ConsumeBool()) return data->ConsumeIntegralInRange<int>(-100000, 100000) * 0.01;
   if (data->ConsumeBool()) return data->ConsumeFloatingPoint<double>();
-  return data->ConsumeIntegralInRange<int>(-100000, 100000) * 0.01;
+  return data->PickValueInArray({kInfinity, -kInfinity, kNan, 1e300, -1e300, 1e-320, 0.0});
 }
 
 }  // namespace camera_self_calibration

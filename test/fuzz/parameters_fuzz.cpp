@@ -55,7 +55,12 @@ NodeOptions anyOptions(FuzzedDataProvider* data) {
 void checkUsable(const NodeOptions& options) {
   require(options.pipeline.solver_threads <= 256, "threads are bounded");
   require(options.pipeline.max_queued_images <= 1000, "images that wait are bounded");
-  require(std::isfinite(options.autosave_interval_s), "intervals are finite");
+  require(options.autosave_interval_s <= 86400.0, "intervals are bounded");
+  require(options.path_poses <= 100000, "what is drawn is bounded");
+  for (const double pixels : {options.factory_warn_px, options.min_publish_change_px,
+                              options.pipeline.converged_pixel_rms}) {
+    require(std::isfinite(pixels), "tolerances are numbers");
+  }
   require(!options.report_file.empty(), "a report has a file");
   const auto model = cameraModelFromString(options.model);
   require(model || options.model == "auto", "a model is one");

@@ -92,6 +92,11 @@ TEST_F(AtomicFile, SaysWhyItCannotRead) {
   setrlimit(RLIMIT_NOFILE, &before);
   EXPECT_TRUE(contents.exists);
   EXPECT_NE(contents.error.find(std::strerror(EMFILE)), std::string::npos) << contents.error;
+  // As in a folder without permission: whether there is a file cannot be told.
+  fs::create_symlink("loop", folder_ / "loop");
+  const FileContents unknown = readFile(folder_ / "loop");
+  EXPECT_TRUE(unknown.exists);
+  EXPECT_NE(unknown.error.find(std::strerror(ELOOP)), std::string::npos) << unknown.error;
 }
 
 // A disk that is full: the old contents stay.

@@ -30,6 +30,13 @@ TEST(Options, EachViolationIsNamed) {
   };
   expectNamed("max_features", [](Options* o) { o->tracker.max_features = 0; });
   expectNamed("keyframe_min_parallax", [](Options* o) { o->keyframe.min_parallax = -1.0; });
+  expectNamed("keyframe_min_parallax", [](Options* o) { o->keyframe.min_parallax = 1.0; });
+  expectNamed("keyframe_min_rotation_deg",
+              [](Options* o) { o->keyframe.min_rotation_deg = 180.0; });
+  expectNamed("keyframe_min_tracked_share",
+              [](Options* o) { o->keyframe.min_tracked_share = 1.1; });
+  expectNamed("min_distance_px", [](Options* o) { o->tracker.min_distance_px = INFINITY; });
+  expectNamed("false_alarms_per_hour", [](Options* o) { o->false_alarms_per_hour = 61.0; });
   expectNamed("sliding_window_keyframes", [](Options* o) { o->sliding_window_keyframes = 1; });
   expectNamed("segment_keyframes", [](Options* o) { o->segment_keyframes = 2; });
   expectNamed("queue_segments", [](Options* o) { o->queue_segments = 0; });
@@ -43,9 +50,6 @@ TEST(Options, EachViolationIsNamed) {
   expectNamed("solver_threads", [](Options* o) { o->solver_threads = 0; });
   expectNamed("relocalization_keyframes", [](Options* o) { o->relocalization_keyframes = -1; });
   expectNamed("max_queued_images", [](Options* o) { o->max_queued_images = 0; });
-  expectNamed("solver_threads", [](Options* o) { o->solver_threads = 100000; });
-  expectNamed("max_queued_images", [](Options* o) { o->max_queued_images = 1000000000; });
-  expectNamed("queue_segments", [](Options* o) { o->queue_segments = 1000000000; });
   expectNamed("rolling_shutter", [](Options* o) { o->readout_s = 5.0; });
   expectNamed("fix_intrinsics", [](Options* o) { o->fix_intrinsics = true; });  // which?
   const Camera pinhole = camera640(CameraModel::kPinhole, {300, 300, 320, 240});
@@ -59,6 +63,28 @@ TEST(Options, EachViolationIsNamed) {
   expectNamed("initial intrinsics", [](Options* o) {
     o->initial_camera = camera640(CameraModel::kFov, {-300, 300, 320, 240, 1});
   });
+}
+
+// What a mistyped parameter would otherwise reserve.
+TEST(Options, EveryCountHasAnUpperLimit) {
+  const auto expectLimit = [](const std::string& name, int most, const auto& count) {
+    Options options;
+    if (name == "segment_keyframes") options.startup_keyframes = most;
+    count(&options) = most;
+    EXPECT_TRUE(options.problems().empty()) << name;
+    count(&options) = most + 1;
+    EXPECT_GE(problemsNaming(options, name + " "), 1) << name;
+  };
+  expectLimit("max_features", 10000, [](Options* o) -> int& { return o->tracker.max_features; });
+  expectLimit("sliding_window_keyframes", 1000,
+              [](Options* o) -> int& { return o->sliding_window_keyframes; });
+  expectLimit("segment_keyframes", 1000, [](Options* o) -> int& { return o->segment_keyframes; });
+  expectLimit("queue_segments", 1000, [](Options* o) -> int& { return o->queue_segments; });
+  expectLimit("startup_keyframes", 1000, [](Options* o) -> int& { return o->startup_keyframes; });
+  expectLimit("relocalization_keyframes", 100000,
+              [](Options* o) -> int& { return o->relocalization_keyframes; });
+  expectLimit("solver_threads", 256, [](Options* o) -> int& { return o->solver_threads; });
+  expectLimit("max_queued_images", 1000, [](Options* o) -> int& { return o->max_queued_images; });
 }
 
 TEST(Options, AllViolationsAreListedTogether) {

@@ -170,6 +170,21 @@ TEST_F(CalibrationStoreTest, WhatIsGivenIsTheNextStart) {
   EXPECT_FALSE(CalibrationStore(nowhere).saveGiven(CameraModel::kFov, info()).success);
 }
 
+// A lens that no distortion model of camera_info holds goes out as zeros, CONVERGED as it may be.
+TEST_F(CalibrationStoreTest, ZerosNeverReplaceACalibration) {
+  CalibrationStore store(options_);
+  ASSERT_TRUE(store.save(smallState(kFov, 0), info()).success);
+  const std::string calibration = readFile(options_.calibration_file).bytes;
+  const sensor_msgs::CameraInfo zeros = uncalibratedCameraInfo(640, 480);
+  for (const auto& outcome :
+       {store.save(smallState(kFov, 0), zeros), store.saveGiven(std::nullopt, zeros)}) {
+    EXPECT_FALSE(outcome.success);
+    EXPECT_NE(outcome.message.find("camera_info is zeros"), std::string::npos) << outcome.message;
+  }
+  EXPECT_EQ(readFile(options_.calibration_file).bytes, calibration);
+  EXPECT_TRUE(load(options_).state) << "what was learnt is still kept";
+}
+
 TEST_F(CalibrationStoreTest, SaysWhereItCannotWrite) {
   ASSERT_EQ(writeFileAtomically(folder_ / "file", "x"), "");
   options_.state_file = folder_ / "file" / "below.state";
@@ -206,6 +221,24 @@ TEST(CameraStart, ReachesTheWholeImageOrIsNone) {
             std::string::npos);
 }
 
+// No radtan goes on growing as far out as this lens does.
+TEST(CameraStart, AFitOfARationalPolynomialReachesTheWholeImageOrIsNone) {
+  const RationalPolynomial lens{300, 300, 320, 240, {0.2, 0, 0, 0, 0, 0.6, 0, 0}};
+  const auto fit = fitCamera(lens, 640, 480, CameraModel::kRadtan);
+  ASSERT_FALSE(fit && std::isfinite(fit->error.max)) << "else this tests nothing";
+  sensor_msgs::CameraInfo info = uncalibratedCameraInfo(640, 480);
+  info.distortion_model = "rational_polynomial";
+  info.K = {300, 0, 320, 0, 300, 240, 0, 0, 1};
+  info.D.assign(lens.coefficients.begin(), lens.coefficients.end());
+  EXPECT_FALSE(startFrom(info, CameraModel::kRadtan));
+  EXPECT_NE(whyNoStart(info, CameraModel::kRadtan).find("radtan over the whole image"),
+            std::string::npos);
+  const auto fisheye = startFrom(info, CameraModel::kEquidistant);
+  ASSERT_TRUE(fisheye);
+  EXPECT_GT(fisheye->error.max, 0.0) << "what the fit costs is known";
+  EXPECT_LT(fisheye->error.max, 5.0);
+}
+
 TEST(CameraStart, EveryRefusalHasItsReason) {
   const sensor_msgs::CameraInfo good = toCameraInfo(kFov)->info;
   const auto why = [&good](const std::function<void(sensor_msgs::CameraInfo*)>& spoil) {
@@ -222,6 +255,13 @@ TEST(CameraStart, EveryRefusalHasItsReason) {
   EXPECT_NE(why([](Info* i) { i->distortion_model = "fov"; }).find("'fov'"), std::string::npos);
   EXPECT_NE(why([](Info* i) { i->D.resize(3); }).find("has 4 coefficients, but it holds 3"),
             std::string::npos);
+  EXPECT_NE(why([](Info* i) { i->D[0] = 1e30; }).find("k1 = 1e+30"), std::string::npos);
+  const auto rational = [](Info* i) {
+    i->distortion_model = "rational_polynomial";
+    i->D.assign(8, 0.1);
+    i->K[2] = 1e25;
+  };
+  EXPECT_NE(why(rational).find("principal point"), std::string::npos);
 }
 
 }  // namespace

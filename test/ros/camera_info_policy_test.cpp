@@ -142,6 +142,24 @@ TEST(CameraInfoPolicy, WarnsOfAConversionThatErrs) {
   EXPECT_NE(policy.update(wide).find("px"), std::string::npos);
   EXPECT_EQ(policy.state().distortion_model, "plumb_bob");
   EXPECT_GT(policy.state().error.max, CameraInfoPolicy::kConversionWarning);
+  EXPECT_NE(policy.state().deviation.find("set the parameter output_distortion_model to auto."),
+            std::string::npos)
+      << policy.state().deviation;
+}
+
+// The node for rigs has no output_distortion_model, which is auto there.
+TEST(CameraInfoPolicy, WithAutoTheWarningNamesWhatEveryNodeHas) {
+  Intrinsics values(5);
+  values << 420.0, 420.0, 319.5, 239.5, 1.5;
+  CalibrationReport wide = report(CalibrationState::kConverged, 500.0);
+  wide.camera = Camera(CameraModel::kFov, 640, 480, values);
+  CameraInfoPolicy policy{CameraInfoOptions()};
+  const std::string warning = policy.update(wide);
+  EXPECT_NE(warning.find("set the parameter model to equidistant."), std::string::npos) << warning;
+  EXPECT_EQ(warning.find("output_distortion_model"), std::string::npos) << warning;
+  EXPECT_EQ(policy.state().deviation, warning);
+  policy.update(report(CalibrationState::kConverged, 500.0));
+  EXPECT_EQ(policy.state().deviation, "") << "a pinhole is exact";
 }
 
 TEST(CameraInfoPolicy, ZerosWhereTheDistortionModelCannotHoldTheLens) {

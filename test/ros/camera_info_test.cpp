@@ -116,6 +116,18 @@ TEST(CameraInfo, ReadsBackWhatItWrote) {
   }
 }
 
+TEST(CameraInfo, WithoutCoefficientsItIsAPinholeCamera) {
+  sensor_msgs::CameraInfo info =
+      toCameraInfo(makeCamera(CameraModel::kPinhole, {500, 510, 320, 240}))->info;
+  info.D.clear();
+  for (const char* model : {"plumb_bob", "rational_polynomial"}) {
+    info.distortion_model = model;
+    const std::optional<Camera> camera = toCamera(info);
+    ASSERT_TRUE(camera) << model;
+    EXPECT_EQ(camera->model(), CameraModel::kPinhole) << model;
+  }
+}
+
 TEST(CameraInfo, UncalibratedIsAllZeros) {
   const sensor_msgs::CameraInfo info = uncalibratedCameraInfo(640, 480);
   EXPECT_EQ(info.width, 640u);

@@ -33,6 +33,23 @@ TEST(FactoryCalibration, SaysWhatIsMissing) {
   EXPECT_TRUE(says(factory, "thin_prism"));
 }
 
+TEST(FactoryCalibration, SaysWhyItIsNotUsed) {
+  FactoryCalibration factory("info", 1.0);
+  sensor_msgs::CameraInfo info = uncalibratedCameraInfo(640, 480);
+  info.distortion_model = "rational_polynomial";
+  info.K = {300, 0, 320, 0, 300, 240, 0, 0, 1};
+  info.D = {0.2, 0, 0, 0, 0, 0.6, 0, 0};
+  factory.take(info);
+  std::string problem;
+  EXPECT_FALSE(factory.startFor(CameraModel::kRadtan, 640, 480, &problem));
+  EXPECT_NE(problem.find("radtan over the whole image"), std::string::npos) << problem;
+  info.roi.x_offset = 600;
+  info.roi.width = info.roi.height = 100;
+  factory.take(info);
+  EXPECT_FALSE(factory.startFor(CameraModel::kFov, 100, 100, &problem));
+  EXPECT_NE(problem.find("region of interest"), std::string::npos) << problem;
+}
+
 TEST(FactoryCalibration, CannotTellBeforeTheLensIsKnown) {
   FactoryCalibration factory("info", 1.0);
   factory.take(toCameraInfo(stretched(1.05))->info);

@@ -8,6 +8,9 @@
 #include <boost/make_shared.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace camera_self_calibration {
 namespace {
@@ -249,6 +252,28 @@ TEST(GrayImage, RefusesPicturesThatClaimImpossibleSizes) {
   ASSERT_NE(frame, jpeg.data.end());
   overwrite(static_cast<std::size_t>(frame - jpeg.data.begin()) + 5, 4, 0xFFFFFFFF, &jpeg.data);
   EXPECT_NE(GrayConverter().convert(jpeg).error.find("65535x65535"), std::string::npos);
+  sensor_msgs::CompressedImage bmp = compressed(".bmp");
+  overwrite(18, 4, 0x00800000, &bmp.data);  // its numbers have the least significant byte first
+  overwrite(22, 4, 0x0080FFFF, &bmp.data);
+  EXPECT_NE(GrayConverter().convert(bmp).error.find("32768x32768"), std::string::npos);
+}
+
+TEST(GrayImage, RefusesImpossibleSizesOfHeadsAlone) {
+  using namespace std::string_literals;
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {"BM"s + std::string(12, '\0') + "\x0C\0\0\0\xFF\xFF\xFF\xFF"s + std::string(8, '\0'),
+       "65535x65535"},
+      {"P5\n# a comment\n40000 # another\n40000\n255\n", "40000x40000"},
+      {"RIFF\0\0\0\0WEBPVP8X\x0A\0\0\0\0\0\0\0\xFF\xFF\xFF\xFF\xFF\xFF"s, "16777216x16777216"},
+      {"RIFF\0\0\0\0WEBPVP8L\x0A\0\0\0\x2F\xFF\xFF\xFF\x0F\0\0\0\0\0"s, "16384x16384"},
+      {"RIFF\0\0\0\0WEBPVP8 \x0A\0\0\0\0\0\0\x9D\x01\x2A\xFF\x3F\xFF\x3F"s, "16383x16383"}};
+  for (const auto& [head, size] : cases) {
+    sensor_msgs::CompressedImage message;
+    message.data.assign(head.begin(), head.end());
+    EXPECT_NE(GrayConverter().convert(message).error.find("claims the size " + size),
+              std::string::npos)
+        << size << ": " << GrayConverter().convert(message).error;
+  }
 }
 
 TEST(GrayImage, ThePreviewOfAJpegIsNotTakenForItsEnd) {

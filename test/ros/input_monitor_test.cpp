@@ -62,12 +62,34 @@ TEST(InputMonitor, AnotherSizeThatStaysIsTaken) {
   monitor.check(image(10.0));
   for (int i = 1; i < InputMonitor::kSizePatience; ++i) {
     EXPECT_EQ(monitor.check(image(10.0 + 0.1 * i, 32, 24)), InputVerdict::kReject) << i;
+    EXPECT_NE(monitor.counts().last_problem.find("the calibration goes over to the new size"),
+              std::string::npos);
   }
   EXPECT_EQ(monitor.check(image(12.0, 32, 24)), InputVerdict::kNewSize);
   EXPECT_EQ(monitor.width(), 32);
   EXPECT_EQ(monitor.check(image(12.1, 32, 24)), InputVerdict::kUse);
   EXPECT_EQ(monitor.check(image(12.2)), InputVerdict::kReject);
   EXPECT_EQ(monitor.counts().size_changes, 1);
+}
+
+TEST(InputMonitor, WhereTheSizeIsKeptItSaysSoInOneSentence) {
+  InputMonitor monitor;
+  monitor.keepSize();
+  monitor.check(image(10.0));
+  const std::string sentence =
+      "the image size changed from 64 x 48 to 32 x 24; such images are left out: restart the node "
+      "to calibrate the new size";
+  int notices = 0;
+  for (int i = 1; i < 4 * InputMonitor::kSizePatience; ++i) {
+    EXPECT_EQ(monitor.check(image(10.0 + 0.1 * i, 32, 24)), InputVerdict::kReject) << i;
+    EXPECT_EQ(monitor.counts().last_problem, sentence);
+    const std::string notice = monitor.takeNotice();
+    notices += !notice.empty();
+    EXPECT_TRUE(notice.empty() || notice == sentence) << notice;
+  }
+  EXPECT_EQ(notices, 1) << "an event comes once";
+  EXPECT_EQ(monitor.check(image(20.0)), InputVerdict::kUse);
+  EXPECT_EQ(monitor.counts().size_changes, 0);
 }
 
 TEST(InputMonitor, ImagesThatTheMaskDoesNotFitAreNamed) {

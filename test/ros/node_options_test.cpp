@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "camera_self_calibration/ros/file_parameters.h"
 
@@ -41,6 +42,25 @@ TEST(NodeOptions, ListsAllViolationsAtOnce) {
         "nobody_knows_it", "report_file", "autosave_interval_s"}) {
     EXPECT_TRUE(mentions(problems, word)) << word;
   }
+}
+
+TEST(NodeOptions, EveryUpperLimitIsEnforced) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  NodeOptions options;
+  options.path_poses = 100000;
+  options.autosave_interval_s = 86400.0;
+  EXPECT_TRUE(options.problems().empty());
+  options.path_poses = 100001;
+  options.autosave_interval_s = 86401.0;
+  options.factory_warn_px = options.min_publish_change_px = kInfinity;
+  const std::vector<std::string> problems = options.problems();
+  EXPECT_EQ(problems.size(), 4u);
+  for (const char* word :
+       {"path_poses", "autosave_interval_s", "factory_warn_px", "min_publish_change_px"}) {
+    EXPECT_TRUE(mentions(problems, word)) << word;
+  }
+  options.autosave_interval_s = kInfinity;
+  EXPECT_TRUE(mentions(options.problems(), "autosave_interval_s"));
 }
 
 TEST(NodeOptions, AnOpenModelHasNoStartValues) {

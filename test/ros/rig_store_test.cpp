@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/tools/rig_state.h"
 #include "pipeline/small_state.h"
 #include "tools/temporary_folder.h"
@@ -30,6 +33,19 @@ RigReport converged(double baseline = 0.11) {
   estimate.uncertainty.resize(2);
   estimate.poses.resize(1);
   return report;
+}
+
+TEST(RigNodeOptions, TheBaselineIsThatOfARig) {
+  RigNodeOptions options;
+  options.image_topics = {"/left/image_raw", "/right/image_raw"};
+  for (const double baseline : {0.0, 1e-3, 0.11, 1e3}) {
+    options.baseline = baseline;
+    EXPECT_TRUE(options.problems().empty()) << baseline;
+  }
+  for (const double baseline : {-1.0, 1e-320, 1e300, std::nan("")}) {
+    options.baseline = baseline;
+    EXPECT_EQ(options.problems().size(), 1u) << baseline;
+  }
 }
 
 class RigStoreTest : public testing::Test {
@@ -98,6 +114,48 @@ TEST_F(RigStoreTest, ARigThatHasNotConvergedIsNotSaved) {
   report.state = CalibrationState::kConverging;
   EXPECT_FALSE(save(report).success);
   EXPECT_FALSE(load().rig);
+}
+
+// A lens that no distortion model of camera_info holds goes out as zeros.
+TEST_F(RigStoreTest, ZerosNeverReplaceTheCalibrationOfACamera) {
+  options_.camera_info_urls = {"file://" + (folder_ / "left.yaml"),
+                               "file://" + (folder_ / "right.yaml")};
+  infos_.assign(2, toCameraInfo(kFov)->info);
+  ASSERT_TRUE(save(converged()).success);
+  const std::string left = readFile(folder_ / "left.yaml").bytes;
+  infos_[0] = uncalibratedCameraInfo(640, 480);
+  const CalibrationStore::Outcome outcome = save(converged());
+  EXPECT_FALSE(outcome.success);
+  EXPECT_NE(outcome.message.find("camera_info is zeros"), std::string::npos) << outcome.message;
+  EXPECT_EQ(readFile(folder_ / "left.yaml").bytes, left);
+}
+
+TEST_F(RigStoreTest, TheFileOfAnotherCameraIsRefusedInWordsThatHoldForRigs) {
+  options_.camera_info_urls = {"file://" + (folder_ / "left.yaml"),
+                               "file://" + (folder_ / "right.yaml")};
+  infos_.assign(2, toCameraInfo(kFov)->info);
+  ASSERT_TRUE(save(converged()).success);
+  options_.camera_info_urls = {options_.camera_info_urls[1], options_.camera_info_urls[0]};
+  const std::string message = save(converged()).message;
+  EXPECT_NE(message.find("it is for the camera 'right', this one has the name 'left'"),
+            std::string::npos)
+      << message;
+  EXPECT_EQ(message.find('~'), std::string::npos) << message;
+}
+
+TEST_F(RigStoreTest, ACamchainThatOnlyApproximatesALensSaysSo) {
+  options_.camchain_file = folder_ / "camchain.yaml";
+  RigReport report = converged();
+  EXPECT_TRUE(RigStore(options_, "rig", false).notes(report).empty()) << "Kalibr has fov";
+  report.estimate.rig.cameras[1] =
+      camera640(CameraModel::kRadtan, {600, 600, 320, 240, -0.2, 0.05, 0, 0, -0.01});
+  ASSERT_TRUE(save(report).success);
+  const std::vector<std::string> notes = RigStore(options_, "rig", false).notes(report);
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].find("cam1 in " + options_.camchain_file + " holds an approximation"), 0u)
+      << notes[0];
+  EXPECT_NE(readFile(options_.camchain_file).bytes.find("# fitted to radtan with k3: off by"),
+            std::string::npos);
 }
 
 }  // namespace

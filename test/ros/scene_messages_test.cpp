@@ -90,14 +90,26 @@ TEST(SceneMessages, EventsAreWordsWhereTheyHappened) {
     if (marker.ns == "events") events.push_back(marker);
   }
   ASSERT_EQ(events.size(), Scene::kMaxEvents);
-  EXPECT_EQ(events[0].text, "CALIBRATION_CHANGE by 35 px");
+  EXPECT_EQ(events[0].text, "the lens changed by 35 px");
   EXPECT_NEAR(events[0].pose.position.x, 0.95, 1e-12);
   EXPECT_TRUE(hasColour(events[0].color, eventColour(EventType::kCalibrationChange)));
-  EXPECT_EQ(events[1].text, "CONVERGED");
+  EXPECT_EQ(events[1].text, "calibrated");
   EXPECT_GT(events[0].pose.position.y - events[1].pose.position.y, events[0].scale.z)
       << "one above the other";
   EXPECT_EQ(events[1].action, Marker::ADD);
   EXPECT_EQ(events[2].action, Marker::DELETE);
+}
+
+TEST(SceneMessages, LabelsNeedNoManual) {
+  for (const EventType type :
+       {EventType::kCalibrationChange, EventType::kHandover, EventType::kConverged,
+        EventType::kLost, EventType::kRelocalized, EventType::kInput}) {
+    Scene scene = makeScene();
+    scene.add(Event{type, 1, 1, "what happened"});
+    const std::string text = markerOf(scene, "events").text;
+    EXPECT_FALSE(text.empty());
+    EXPECT_EQ(text.find(toString(type)), std::string::npos) << text;
+  }
 }
 
 TEST(SceneMessages, WhatIsEmptyIsTakenAway) {

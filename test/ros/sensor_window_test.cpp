@@ -59,6 +59,8 @@ TEST(SensorWindow, RefusesWhatDoesNotFit) {
   info.roi.height = 100;
   EXPECT_FALSE(sensorWindow(info));
   EXPECT_FALSE(toWindowedCamera(info, CameraModel::kFov));
+  info.roi.x_offset = 2147483647;  // to which nothing can be added
+  EXPECT_FALSE(sensorWindow(info));
   const auto whole = sensorWindow(fullInfo());
   const Camera other = Camera::defaultGuess(CameraModel::kFov, 320, 240);
   EXPECT_FALSE(throughWindow(other, *whole, *whole)) << "a camera of another size";

@@ -341,6 +341,7 @@ TEST(CalibrateBag, AStillCameraDoesNotConverge) {
                 "png");
   std::filesystem::create_directory(folder / "out");
   std::ofstream(folder / "out/calibration.yaml") << "from an earlier run";
+  std::ofstream(folder / "out/summary.json") << "{}";
   const Outcome outcome =
       calibrateBag((folder / "images") + " --rate 20 --batch --report --out " + (folder / "out"));
   EXPECT_EQ(outcome.exit_code, 2) << outcome.output;
@@ -389,6 +390,48 @@ TEST(CalibrateBag, NoImagesIsACodeOfItsOwn) {
   EXPECT_TRUE(mentions(outcome, "no images"));
 }
 
+TEST(CalibrateBag, NoFolderIsLeftWhereNothingCameOfIt) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "images");
+  EXPECT_EQ(calibrateBag((folder / "images") + " --out " + (folder / "new/out")).exit_code, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder / "new"));
+  std::filesystem::create_directory(folder / "old");
+  EXPECT_EQ(calibrateBag((folder / "images") + " --out " + (folder / "old")).exit_code, 3);
+  EXPECT_TRUE(std::filesystem::exists(folder / "old")) << "it was there before";
+}
+
+TEST(CalibrateBag, FilesThatItHasNotWrittenStay) {
+  const std::string bag = converged().folder / "room.bag";
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "mine");
+  for (const char* name : {"calibration.yaml", "trajectory.tum"}) {
+    const std::string file = folder / ("mine/" + std::string(name));
+    std::ofstream(file) << "mine";
+    const Outcome outcome = calibrateBag(bag + " --duration 1 --out " + (folder / "mine"));
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_TRUE(mentions(outcome, "not the result of an earlier run")) << outcome.output;
+    EXPECT_EQ(contents(file), "mine");
+    std::filesystem::remove(file);
+  }
+  // Nor does what it has written go where it is to be judged or started from.
+  std::filesystem::copy(converged().folder / "out", folder / "out");
+  const std::string calibration = folder / "out/calibration.yaml";
+  const std::string bytes = contents(calibration);
+  for (const char* option : {"--audit", "--initial", "--reference-calibration"}) {
+    const Outcome outcome = calibrateBag(bag + " --duration 1 --out " + (folder / "out") + " " +
+                                         option + " " + calibration);
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_TRUE(mentions(outcome, "in the folder of --out")) << outcome.output;
+    EXPECT_EQ(contents(calibration), bytes);
+  }
+  std::ofstream(folder / "notes.txt") << "mine";
+  const Outcome outcome =
+      calibrateBag(bag + " --duration 1 --overwrite --state-out " + (folder / "notes.txt"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_TRUE(mentions(outcome, "not a state file of this program")) << outcome.output;
+  EXPECT_EQ(contents(folder / "notes.txt"), "mine");
+}
+
 TEST(CalibrateBag, ErrorsSayWhatToDo) {
   const TemporaryFolder folder;
   std::ofstream(folder / "noise.bag") << std::string(5000, 'x');
@@ -398,17 +441,29 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder / "noise.bag", "cannot be read as a bag"},
       {folder.string() + " --model fisheye62", "fisheye62"},
       {folder.string() + " --alpha 2 --queue-segments 0", "alpha"},
-      {folder.string() + " --alpha 2 --queue-segments 0", "queue_segments"},
+      {folder.string() + " --alpha 2 --queue-segments 0", "- queue-segments is 0"},
       {folder.string() + " --initial " + (folder / "missing.yaml"), "cannot be opened"},
       {folder.string() + " --speed 3", "--speed"},
       {folder.string() + " --rate=%value%", "holds %value%"},
       {folder.string() + " --%original_token%x=1", "holds %original_token%"},
-      {folder.string() + " --rate -3", "--rate"},
+      {folder.string() + " --rate -3", "--rate is -3"},
+      {folder.string() + " --rate inf", "--rate is inf"},
+      {folder.string() + " --rate 1e-300", "between 0.001 and"},
+      {folder.string() + " --start 1e300", "--start is 1e+300"},
+      {folder.string() + " --start nan", "--start is nan"},
+      {folder.string() + " --duration inf", "--duration is inf"},
+      {folder.string() + " --audit-tolerance inf", "--audit-tolerance"},
+      {folder.string() + " --topic /image", "--topic chooses images of a bag"},
+      {(folder / "noise.bag") + " --rate 30", "--rate is for folders and videos"},
+      {folder.string() + " --camera front", "--camera is about the file of --state-out"},
+      {folder.string() + " --overwrite", "--overwrite is about the file of --state-out"},
       {folder.string() + " --report", "--out"},
       {folder.string() + " --topics /a", "two to six"},
       {folder.string() + " --baseline 0.1", "--topics"},
       {folder.string() + " --topics /a /b --baseline -1", "--baseline"},
       {folder.string() + " --topics /a /b --baseline inf", "--baseline"},
+      {folder.string() + " --topics /a /b --baseline 1e-320", "between 0.001 and 1000 m"},
+      {folder.string() + " --topics /a /b --baseline 1e300", "between 0.001 and 1000 m"},
       {folder.string() + " --topics /a /b --topic /a", "--topic is for one camera"},
       {folder.string() + " --topics /a /b --audit " + (folder / "missing.yaml"),
        "cannot be opened"},

@@ -87,6 +87,51 @@ TEST_F(Conversion, ALostRectificationIsSaid) {
       convert((folder / "right.yaml") + " " + (folder / "out.yaml") + " --to ros");
   EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
   EXPECT_TRUE(mentions(outcome, "rectification of IN")) << outcome.output;
+  EXPECT_FALSE(mentions(outcome, "\nexact")) << outcome.output;
+}
+
+TEST_F(Conversion, ALostBinningIsSaid) {
+  writeText(folder / "binned.yaml",
+            "height: 480\nwidth: 640\ndistortion_model: plumb_bob\nD: [0, 0, 0, 0, 0]\n"
+            "K: [400, 0, 320, 0, 400, 240, 0, 0, 1]\nbinning_x: 2\nbinning_y: 2\n");
+  const Outcome outcome =
+      convert((folder / "binned.yaml") + " " + (folder / "out.yaml") + " --to ros");
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  EXPECT_TRUE(mentions(outcome, "full resolution, 640 x 480")) << outcome.output;
+  EXPECT_FALSE(mentions(outcome, "\nexact")) << outcome.output;
+}
+
+TEST_F(Conversion, TheNameOfTheCameraIsKept) {
+  const std::string named = folder / "named.yaml";
+  ASSERT_EQ(convert(fov + " " + named + " --to ros --name front_left").exit_code, 0);
+  for (const char* format : {"ros", "vins"}) {
+    const std::string out = folder / format;
+    ASSERT_EQ(convert(named + " " + out + " --to " + format).exit_code, 0);
+    EXPECT_NE(contents(out).find("camera_name: front_left\n"), std::string::npos) << contents(out);
+    ASSERT_EQ(convert(out + " " + (folder / "back") + " --to ros --name other").exit_code, 0);
+    EXPECT_NE(contents(folder / "back").find("camera_name: other\n"), std::string::npos);
+  }
+  ASSERT_EQ(convert(fov + " " + (folder / "nameless") + " --to ros").exit_code, 0);
+  EXPECT_NE(contents(folder / "nameless").find("camera_name: camera\n"), std::string::npos);
+}
+
+TEST_F(Conversion, WhatTheFormatDoesNotHoldIsRefused) {
+  for (const char* option : {"--name left", "--topic /image", "--rate 20"}) {
+    const Outcome outcome =
+        convert(fov + " " + (folder / "out.txt") + " --to colmap " + std::string(option));
+    EXPECT_EQ(outcome.exit_code, 1) << option;
+    EXPECT_TRUE(mentions(outcome, "has no meaning for the format colmap")) << outcome.output;
+  }
+  EXPECT_EQ(convert(fov + " " + (folder / "k") + " --to kalibr --topic /image").exit_code, 0);
+  EXPECT_EQ(convert(fov + " " + (folder / "o") + " --to orbslam3 --rate 20").exit_code, 0);
+}
+
+TEST_F(Conversion, ALimitIsANumberOfPixels) {
+  for (const char* option : {"--limit nan", "--limit inf", "--limit 0", "--radius inf"}) {
+    const Outcome outcome = compare(fov + " " + fov + " " + option);
+    EXPECT_EQ(outcome.exit_code, 1) << option;
+    EXPECT_TRUE(mentions(outcome, "must be a positive number of pixels")) << outcome.output;
+  }
 }
 
 TEST_F(Conversion, ErrorsSayWhatToDo) {
@@ -107,10 +152,19 @@ TEST_F(Conversion, ErrorsSayWhatToDo) {
 }
 
 TEST(Programs, HelpNeedsNoMaster) {
-  const Outcome help = run("ROS_MASTER_URI=http://localhost:1 timeout 30 " +
-                           std::string(SIMULATED_CAMERA) + " --help");
-  EXPECT_EQ(help.exit_code, 0) << help.output;
-  EXPECT_TRUE(mentions(help, "publish_clock"));
+  const std::vector<std::pair<const char*, const char*>> programs = {
+      {SIMULATED_CAMERA, "publish_clock"},
+      {CHECK_AGAINST_TRUTH, "_limit"},
+      {SELF_CALIBRATION_NODE, "config/parameters.yaml"},
+      {RIG_CALIBRATION_NODE, "config/rig.yaml"}};
+  for (const auto& [program, words] : programs) {
+    for (const char* arguments : {"--help", "_model:=fov -h"}) {
+      const Outcome help = run("ROS_MASTER_URI=http://localhost:1 timeout 30 " +
+                               std::string(program) + " " + arguments);
+      EXPECT_EQ(help.exit_code, 0) << help.output;
+      EXPECT_TRUE(mentions(help, words)) << help.output;
+    }
+  }
 }
 
 TEST_F(Conversion, ARefusedConversionLeavesTheOldFile) {

@@ -94,11 +94,92 @@ TEST(CalibrationFormat, ACameraIsAskedForOnlyWhereThereAreNames) {
 TEST(CalibrationFormat, NumbersThatAreNoLensAreRefused) {
   const std::string plain =
       "model: pinhole\nwidth: 640\nheight: 480\nparams: [1e-30, 300, 320, 240]\n";
-  EXPECT_TRUE(says(failureOf(plain, CalibrationFormat::kPlain), "out of range"));
-  const std::string opencv = calibrationText(kRadtan, CalibrationFormat::kOpenCv);
-  EXPECT_TRUE(says(failureOf(replaced(opencv, "image_width: 752", "image_width: 12884902640"),
-                             CalibrationFormat::kOpenCv),
+  EXPECT_TRUE(says(failureOf(plain, CalibrationFormat::kPlain), "focal length of 1e-30 px"));
+  EXPECT_TRUE(says(
+      failureOf(replaced(plain, "1e-30, 300, 320", "300, 300, 1e25"), CalibrationFormat::kPlain),
+      "principal point"));
+  for (const auto format : {CalibrationFormat::kPlain, CalibrationFormat::kKalibr,
+                            CalibrationFormat::kColmap, CalibrationFormat::kOrbSlam3}) {
+    const std::string text = replaced(calibrationText(kRadtan, format), "0.166", "1e30");
+    EXPECT_TRUE(says(failureOf(text, format), "no lens has a distortion of k2"))
+        << toString(format);
+  }
+}
+
+// OpenCV takes the lowest 32 bits of a long integer, and one that begins with 0 as octal.
+TEST(OpenCvFormat, IntegersThatItMisreadsAreRefused) {
+  const auto opencv = CalibrationFormat::kOpenCv;
+  const std::string good = calibrationText(kRadtan, opencv);
+  const auto failure = [&](const std::string& width) {
+    return failureOf(replaced(good, "image_width: 752", "image_width:" + width), opencv);
+  };
+  for (const char* width : {" 12884902640", " 0x3000002F0", " 12884902640#c", "12884902640 # c",
+                            " !!int 12884902640", " -12884902640"}) {
+    EXPECT_TRUE(says(failure(width), "is too large")) << width;
+  }
+  for (const char* width : {" 00752", " +0752", " 0800"}) {
+    EXPECT_TRUE(says(failure(width), "leave the zeros out")) << width;
+  }
+  EXPECT_EQ(parseCalibration(replaced(good, "image_width: 752", "image_width: 0x2F0"), opencv)
+                .camera.width(),
+            752);
+  const std::string remarks =
+      "# made 09 of 12884902640\ntitle: \"09 12884902640\"\nlens: no 007010\nimage_width";
+  EXPECT_EQ(failureOf(replaced(good, "image_width", remarks), opencv), "no failure");
+  const std::string vins =
+      "%YAML:1.0\n---\nmodel_type: PINHOLE\nimage_width: 752\nimage_height: 480\n"
+      "distortion_parameters: { k1: 0., k2: 0., p1: 0., p2: 0. }\n"
+      "projection_parameters: { fx: 400., fy: 400., cx: 370., cy: 12884902128}\n";
+  EXPECT_TRUE(says(failureOf(vins, CalibrationFormat::kVins), "12884902128 is too large"));
+  EXPECT_TRUE(says(failureOf("<?xml version=\"1.0\"?>\n<opencv_storage>\n<!-- 0900 -->"
+                             "<image_width>12884902640</image_width></opencv_storage>\n",
+                             opencv),
                    "too large"));
+}
+
+TEST(OpenCvFormat, AMissingImageSizeIsAskedFor) {
+  const auto opencv = CalibrationFormat::kOpenCv;
+  const std::string good = calibrationText(kRadtan, opencv);
+  const std::string without =
+      replaced(replaced(good, "image_width: 752\n", ""), "image_height: 480\n", "");
+  EXPECT_TRUE(says(failureOf(without, opencv), "add the size of the images to the file"));
+}
+
+TEST(CalibrationFormat, CommentsDoNotTellTheFormat) {
+  const std::string camchain = "%YAML:1.0\n#model_type: of VINS\n" + std::string(kCamchain);
+  EXPECT_EQ(detectCalibrationFormat(camchain), CalibrationFormat::kKalibr);
+}
+
+TEST(RosFormat, CoefficientsThatNoModelHasAreNamed) {
+  const std::string message =
+      "height: 480\nwidth: 752\ndistortion_model: rational_polynomial\n"
+      "D: [-0.28, 0.07, 0.0002, 1.7e-05, 0.01, 0.1, 0.02, 0.003]\n"
+      "K: [458.6, 0.0, 367.2, 0.0, 457.2, 248.3, 0.0, 0.0, 1.0]\n";
+  EXPECT_TRUE(says(failureOf(message, CalibrationFormat::kRos), "k4, k5, k6"));
+}
+
+TEST(RosFormat, ABinnedImageOrAPartOfOneIsNoticed) {
+  const auto ros = CalibrationFormat::kRos;
+  const std::string message =
+      "height: 480\nwidth: 752\ndistortion_model: plumb_bob\nD: [0, 0, 0, 0, 0]\n"
+      "K: [458.6, 0.0, 367.2, 0.0, 457.2, 248.3, 0.0, 0.0, 1.0]\n"
+      "binning_x: 1\nbinning_y: 1\n"
+      "roi:\n  x_offset: 0\n  y_offset: 0\n  height: 480\n  width: 752\n  do_rectify: false\n";
+  EXPECT_FALSE(parseCalibration(message, ros).windowed);
+  EXPECT_TRUE(parseCalibration(replaced(message, "binning_x: 1", "binning_x: 2"), ros).windowed);
+  const StoredCalibration part =
+      parseCalibration(replaced(message, "  width: 752", "  width: 700"), ros);
+  EXPECT_TRUE(part.windowed);
+  EXPECT_EQ(part.camera.width(), 752) << "of the full resolution";
+}
+
+TEST(VinsFormat, AnyNameReadsBack) {
+  for (const char* name : {"front_left", "7", "front: left # 1", "\"", "a\nimage_width: 3"}) {
+    CalibrationLabels labels;
+    labels.camera_name = name;
+    const std::string text = calibrationText(kRadtan, CalibrationFormat::kVins, labels);
+    EXPECT_EQ(parseCalibration(text, CalibrationFormat::kVins).name, name) << text;
+  }
 }
 
 TEST(PlainFormat, PlumbBobIsRadtan) {

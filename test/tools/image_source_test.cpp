@@ -7,6 +7,7 @@
 
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <opencv2/videoio.hpp>
 #include <sstream>
 
@@ -123,6 +124,41 @@ TEST(ImageSource, APictureThatIsCutOffIsNamedAndLeftOut) {
   EXPECT_NE(first->error.find("1.jpg: "), std::string::npos) << first->error;
 }
 
+TEST(ImageSource, APictureThatCannotBeReadSaysWhy) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a.png") << 'x';
+  std::filesystem::resize_file(folder / "a.png", std::uintmax_t{1} << 30);
+  ImageSource source = openImages(at(folder.string()));
+  const std::optional<GrayImage> image = source.next();
+  ASSERT_TRUE(image && !image->view);
+  EXPECT_NE(image->error.find("a.png is too large"), std::string::npos) << image->error;
+}
+
+TEST(ImageSource, ATimeBeyondTheLastImageLeavesNone) {
+  const TemporaryFolder folder;
+  for (int i = 0; i < 3; ++i) cv::imwrite(folder / (std::to_string(i) + ".png"), picture(i));
+  for (const double start : {1e9, 1e300, std::numeric_limits<double>::infinity()}) {
+    SourceOptions options = at(folder.string());
+    options.start_seconds = start;
+    EXPECT_EQ(openImages(options).count, 0) << start;
+    EXPECT_FALSE(openImages(options).next()) << start;
+    options.start_seconds = 0.0;
+    options.duration_seconds = start;
+    EXPECT_EQ(openImages(options).count, 3) << start;
+  }
+}
+
+TEST(ImageSource, OptionsOfAnotherKindOfInputAreRefused) {
+  const TemporaryFolder folder;
+  { rosbag::Bag bag(folder / "a.bag", rosbag::bagmode::Write); }
+  SourceOptions options = at(folder / "a.bag");
+  options.rate = 30.0;
+  EXPECT_NE(failureOf(options).find("--rate is for folders"), std::string::npos);
+  options = at(folder.string());
+  options.topic = "/image";
+  EXPECT_NE(failureOf(options).find("--topic chooses images of a bag"), std::string::npos);
+}
+
 TEST(ImageSource, StartAndDurationCountFromTheFirstImage) {
   const TemporaryFolder folder;
   for (int i = 0; i < 10; ++i) cv::imwrite(folder / (std::to_string(i) + ".png"), picture(i));
@@ -132,7 +168,7 @@ TEST(ImageSource, StartAndDurationCountFromTheFirstImage) {
   bag.close();
   for (const std::string& path : {folder.string(), folder / "a.bag"}) {
     SourceOptions options = at(path);
-    options.rate = 2.0;
+    options.rate = path == folder.string() ? 2.0 : 0.0;
     options.start_seconds = 1.0;
     options.duration_seconds = 1.5;
     EXPECT_EQ(readAll(options).brightness, (std::vector<int>{2, 3, 4})) << path;

@@ -280,6 +280,14 @@ TEST(Merge, OverlapInTimeIsSaidAndSegmentsOfAnotherVideoAreNotTaken) {
   EXPECT_EQ(read.store.load("robot/front", {there}, &lost).size(), 1u);
 }
 
+TEST(Merge, ACalibrationThatOnlyApproximatesTheLensIsSaid) {
+  CameraResult result = atOnce();
+  for (const EpochResult& epoch : result.epochs) EXPECT_EQ(epoch.approximation, "") << "a pinhole";
+  result.epochs[0].approximation = "front.epoch1.yaml holds an approximation.";
+  EXPECT_NE(sentenceOf(result).find(" front.epoch1.yaml holds an approximation."),
+            std::string::npos);
+}
+
 TEST(Merge, APageTellsAll) {
   const std::string page = fleetHtml({atOnce()}, {"hang.bag (rear): failed: no end after 60 s"});
   for (const char* words : {"robot/front", "CHANGED", "day1.bag", "hang.bag", "<figure><svg"}) {
@@ -333,6 +341,20 @@ TEST(MergeCalibrations, RefusesToReplaceTheStateOfABagButReplacesMergedOnes) {
   const std::string out = folder / "out";
   EXPECT_EQ(exitCode(states + " --out " + out), 0);
   EXPECT_EQ(exitCode(out + " " + states + " --out " + out), 0);
+}
+
+TEST(MergeCalibrations, FilesOfOthersStay) {
+  const TemporaryFolder folder;
+  const std::string states = fleet().files[0];
+  for (const char* name : {"robot/front.yaml", "robot/front.state"}) {
+    const std::string file = folder / ("out/" + std::string(name));
+    fs::create_directories(fs::path(file).parent_path());
+    std::ofstream(file) << "somebody's";
+    EXPECT_EQ(exitCode(states + " --out " + (folder / "out")), 1) << name;
+    EXPECT_EQ(readFile(file).bytes, "somebody's");
+    fs::remove(file);
+  }
+  EXPECT_EQ(exitCode(states + " --out " + (folder / "out")), 0);
 }
 
 }  // namespace

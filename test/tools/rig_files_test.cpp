@@ -6,8 +6,11 @@
 #include <Eigen/Geometry>
 
 #include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 #include "camera_self_calibration/tools/rig_results.h"
+#include "tools/temporary_folder.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -15,6 +18,12 @@ namespace {
 Camera radtan(double focal) {
   Intrinsics p(8);
   p << focal, 1.003 * focal, 360.0, 245.0, -0.3, 0.1, 0.0002, -0.0001;
+  return Camera(CameraModel::kRadtan, 752, 480, p);
+}
+
+Camera radtanWithK3() {
+  Intrinsics p(9);
+  p << 600.0, 600.0, 376.0, 240.0, -0.2, 0.05, 0.0, 0.0, -0.01;
   return Camera(CameraModel::kRadtan, 752, 480, p);
 }
 
@@ -114,6 +123,53 @@ TEST(RigCamchain, ReadsBack) {
     EXPECT_TRUE(read.rig_from_camera[c].translation.isApprox(rig.rig_from_camera[c].translation));
     EXPECT_TRUE(read.rig_from_camera[c].rotation.isApprox(rig.rig_from_camera[c].rotation, 1e-9));
   }
+}
+
+// Kalibr has no k3.
+TEST(RigCamchain, AFitIsNotedInTheFileAndInWords) {
+  Rig rig = pair(radtan(460.0), radtanWithK3(), {0.11, 0.0, 0.0});
+  const std::string text = rigCamchain(rig, {"/a", "/b"}, "Lengths in metres.");
+  EXPECT_EQ(text.rfind("# Lengths in metres.\ncam0:", 0), 0u) << text;
+  const std::size_t note = text.find("# fitted to radtan with k3: off by ");
+  ASSERT_NE(note, std::string::npos) << text;
+  EXPECT_EQ(text.find('\n', note) + 1, text.find("cam1:"));
+  EXPECT_EQ(parseRigCalibration(text).size(), 2) << "a comment does not keep it from being read";
+  const std::vector<std::string> notes = camchainNotes(rig, "camchain.yaml");
+  ASSERT_EQ(notes.size(), 1u);
+  EXPECT_EQ(notes[0].find("cam1 in camchain.yaml holds an approximation, since kalibr has no "
+                          "radtan lens like this: "),
+            0u)
+      << notes[0];
+  rig.cameras[1] = radtan(458.0);
+  EXPECT_TRUE(camchainNotes(rig, "camchain.yaml").empty());
+}
+
+// The files that calibrate_bag writes, and what it says of them.
+TEST(RigResults, ApproximationsAreSaidInFilesAndInWords) {
+  const TemporaryFolder folder;
+  RigRecording recording;
+  recording.topics = {"/left", "/right"};
+  recording.estimate.rig = pair(equidistant(600.0), radtanWithK3(), {0.11, 0.0, 0.0});
+  recording.estimate.usable = recording.estimate.converged = true;
+  recording.estimate.places.resize(2);
+  recording.cameras.resize(2);
+  for (int c = 0; c < 2; ++c) {
+    CalibrationReport& report = recording.cameras[c].final_report;
+    report.state = CalibrationState::kConverged;
+    report.camera = recording.estimate.rig.cameras[c];
+  }
+  std::string all;
+  for (const std::string& note : writeRig(folder.string(), recording)) all += note + "\n";
+  EXPECT_NE(all.find("cam1 in camchain.yaml holds an approximation"), std::string::npos) << all;
+  EXPECT_NE(
+      all.find("\nright.yaml holds an approximation, since both of a pair have one distortion "
+               "model: equidistant, off by "),
+      std::string::npos)
+      << all;
+  EXPECT_EQ(all.find("left.yaml holds"), std::string::npos) << all;
+  const std::string right = readFile(folder / "right.yaml").bytes;
+  EXPECT_EQ(right.rfind("# fitted to radtan with k3: off by ", 0), 0u) << right;
+  EXPECT_EQ(readCalibrationFile(folder / "right.yaml").model(), CameraModel::kEquidistant);
 }
 
 TEST(RigCamchain, WhatIsNoRigIsRefusedWithAReason) {

@@ -72,6 +72,14 @@ std::string with(const Json::json_pointer& where, const Json& value) {
   return toText(json);
 }
 
+// Else it would be refused at the next start, and then never be written over.
+TEST(RigState, ReadsEveryRigThatABaselineCanMake) {
+  for (const double baseline : {kShortestBaseline, kLongestBaseline}) {
+    const std::string text = with(Json::json_pointer("/cameras/1/position"), {baseline, 0.0, 0.0});
+    EXPECT_TRUE(decodeRigState(text).state) << decodeRigState(text).error;
+  }
+}
+
 // A rotation written with fewer digits is one all the same, and then keeps its own.
 TEST(RigState, ARotationOfARoundedLengthReadsTheSameFromThenOn) {
   for (int i = 0; i < 30; ++i) {

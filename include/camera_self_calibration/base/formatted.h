@@ -18,7 +18,7 @@ std::string withFullStop(const std::string& text);
 /// small letters, such as a path, begins as it is.
 std::string asSentence(const std::string& text);
 
-/// A sentence, and another one where there is one.
+/// Two texts as sentences, one after the other; either may be empty.
 std::string sentencesOf(const std::string& text, const std::string& more);
 
 /// Shortest text that reads back as the same number.

@@ -40,6 +40,9 @@ struct DecodedState {
   std::string error;  ///< Empty if there is a state.
 };
 
+/// Whether these are the first bytes of a state file, be the rest damaged or not.
+bool beginsAsState(const std::string& bytes);
+
 /// Foreign, damaged, cut off or from a newer version: an error, never a crash or a wrong state.
 DecodedState decodeState(const std::string& bytes);
 

@@ -17,6 +17,15 @@ struct Rig {
   int size() const { return static_cast<int>(cameras.size()); }
 };
 
+/// Distances between the first two cameras of a rig that can be right [m].
+constexpr double kShortestBaseline = 1e-3;
+constexpr double kLongestBaseline = 1e3;
+
+/// False for NaN too.
+constexpr bool isBaseline(double metres) {
+  return metres >= kShortestBaseline && metres <= kLongestBaseline;
+}
+
 /// What one observation belongs to: a camera's image in a frame of the rig. Segments of rigs have
 /// one keyframe for each, `frame * cameras + camera`.
 struct RigViews {

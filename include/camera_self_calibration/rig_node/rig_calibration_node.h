@@ -51,6 +51,7 @@ class RigCalibrationNode {
     ros::WallTime last_image;
     std::int64_t dropped = 0;
     std::int64_t dropped_before = 0;  // when /diagnostics last told
+    std::int64_t rejected_before = 0;
   };
 
   void start(const std::string& name);
@@ -65,6 +66,7 @@ class RigCalibrationNode {
   bool save(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   CalibrationStore::Outcome saveTo(RigStore* store, const RigReport& report);
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status);
+  void warnOfNotes(const std::vector<std::string>& notes);
   std::string inputProblem();
 
   ros::NodeHandle node_;
@@ -93,6 +95,7 @@ class RigCalibrationNode {
   mutable std::mutex mutex_;  // for what follows, and in ports_
   std::string saving_;        // how the newest one ended
   bool saving_failed_ = false;
+  bool notes_told_ = false;  // those of the store
 
   std::unique_ptr<RigSelfCalibrator> calibrator_;
   ros::CallbackQueue service_queue_;

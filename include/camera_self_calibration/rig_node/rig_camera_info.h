@@ -38,7 +38,7 @@ class RigCameraInfo {
   std::string pairNote() const;
 
  private:
-  void updatePair(const RigReport& report);
+  std::vector<std::string> updatePair(const RigReport& report);
   const sensor_msgs::CameraInfo* ofPair(int camera) const;
 
   const double min_change_px_;

@@ -45,6 +45,9 @@ class RigStore {
                                  const std::vector<sensor_msgs::CameraInfo>& infos,
                                  const std::vector<std::shared_ptr<const LearntState>>& states);
 
+  /// What the files that save() writes only approximate, a sentence for each camera.
+  std::vector<std::string> notes(const RigReport& report) const;
+
  private:
   std::string saveCamchain(const RigReport& report) const;
   std::string saveRig(const RigReport& report) const;

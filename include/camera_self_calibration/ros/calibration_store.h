@@ -46,8 +46,9 @@ class CalibrationStore {
     std::string message;  ///< What was written where, or what went wrong.
   };
 
-  /// Keeps both, where a file is given. After beginAnew(), or where the state is of another epoch,
-  /// what the state file held goes to FILE.previous first.
+  /// Keeps both, where a file is given; a CameraInfo of zeros never replaces a calibration. After
+  /// beginAnew(), or where the state is of another epoch, what the state file held goes to
+  /// FILE.previous first.
   Outcome save(const LearntState& state, const sensor_msgs::CameraInfo& info);
 
   /// Keeps a calibration that was given from outside in the calibration file, as it is. What the

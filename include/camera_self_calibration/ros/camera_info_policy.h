@@ -30,6 +30,8 @@ struct CameraInfoState {
   bool last_good = false;        ///< CONVERGED once, while the present estimate is not.
   /// Why zeros go out although there is a calibration; empty otherwise.
   std::string obstacle;
+  /// How far what goes out is from the estimate, and what to do; empty where it is close.
+  std::string deviation;
 };
 
 /// Decides which CameraInfo goes out: zeros until CONVERGED, and a new estimate only if it differs
@@ -76,6 +78,7 @@ class CameraInfoPolicy {
   bool lastGoodHolds(const CalibrationReport& report) const;
   void forgetLastGood();
   std::string publish(const Camera& camera, bool converged);
+  std::string remedy(const Camera& camera) const;
   std::string judgement(const CalibrationReport& report) const;
   void setProjection(bool converged, sensor_msgs::CameraInfo* info);
 
@@ -93,7 +96,7 @@ class CameraInfoPolicy {
   bool inherited_ = false;
   bool given_ = false;
   bool awaits_beginning_ = false;  // Reports still come from before the reset.
-  std::string obstacle_;
+  std::string warning_;            // Of published_; without one, why there is none.
 };
 
 }  // namespace camera_self_calibration

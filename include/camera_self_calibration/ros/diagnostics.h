@@ -61,10 +61,8 @@ class Diagnostics {
   void timing(Status& status);
   void factory(Status& status);
   void storage(Status& status);
-  void addCameraInfo(Status* status) const;
   bool addProblems(Status* status) const;
   double silence() const;
-  void summarizeTiming(Status* status) const;
 
   diagnostic_updater::Updater updater_;
   const CameraInfoPolicy* camera_info_;

@@ -37,6 +37,10 @@ class InputMonitor {
   /// In ROS a stamp of 0 is none, but the time of a video begins there.
   void takeZeroAsTime() { first_time_ns_ = 0; }
 
+  /// What the images feed cannot take another size: only images of the first one are let through,
+  /// and kNewSize does not come.
+  void keepSize() { keeps_size_ = true; }
+
   /// Images that the mask does not fit are rejected.
   void setMask(const ImageView& mask) { mask_ = mask; }
 
@@ -53,12 +57,14 @@ class InputMonitor {
  private:
   InputVerdict reject(std::string problem);
   InputVerdict checkSize(const ImageView& view);
+  InputVerdict refuseNewSize(const std::string& change);
   InputVerdict checkTime(std::int64_t stamp_ns);
 
   InputCounts counts_;
   std::optional<ImageView> mask_;
   FrameClock clock_;
   std::string notice_;
+  bool keeps_size_ = false;
   std::int64_t first_time_ns_ = 1;  // Stamps before this one are none.
   std::int64_t last_stamp_ns_ = 0;
   int width_ = 0;

@@ -16,8 +16,12 @@ namespace camera_self_calibration {
 std::optional<CameraFit> startFrom(const sensor_msgs::CameraInfo& info,
                                    std::optional<CameraModel> model);
 
-/// Why startFrom() gives nothing, as the end of a sentence that begins with what holds the message:
-/// "it is uncalibrated: its K is zero".
+/// Why a CameraInfo describes no camera, whatever the model asked for, as the end of a sentence
+/// that begins with what holds the message: "it is uncalibrated: its K is zero". Empty where it
+/// may.
+std::string whyNoCamera(const sensor_msgs::CameraInfo& info);
+
+/// Why startFrom() gives nothing, in the same form as whyNoCamera().
 std::string whyNoStart(const sensor_msgs::CameraInfo& info, std::optional<CameraModel> model);
 
 }  // namespace camera_self_calibration

@@ -13,6 +13,10 @@ namespace camera_self_calibration {
 std::shared_ptr<const LearntState> stateOfBag(const Recording& recording, const std::string& bag,
                                               const std::string& camera);
 
+/// Throws std::runtime_error if `path` is a file, but no state file, whole or damaged: what
+/// somebody else has written is never replaced.
+void refuseForeignFile(const std::string& path);
+
 /// The state in `path` if it is the result of `bag` for `camera`; null if there is no such file.
 /// Throws std::runtime_error if it is something else, which must not be written over.
 std::shared_ptr<const LearntState> finishedState(const std::string& path, const std::string& bag,

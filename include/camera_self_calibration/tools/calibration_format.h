@@ -37,6 +37,9 @@ struct StoredCalibration {
   /// Whether the file says more of rectified images than the camera does (R and P of kRos): what is
   /// written from `camera` has none of that.
   bool rectified = false;
+  /// Whether its images are binned or show a part of the sensor (kRos), while the camera is that of
+  /// the sensor's full resolution.
+  bool windowed = false;
 };
 
 /// Reads one camera; `wanted` is its name in the file (kKalibr: cam0, ...; kColmap: the id;
@@ -50,8 +53,18 @@ StoredCalibration parseCalibration(const std::string& text, CalibrationFormat fo
 Rig parseRigCalibration(const std::string& text);
 
 /// The camera as the format can hold it: itself, with error 0, where the format has the model; else
-/// the best fit by a model that it has. Throws std::runtime_error where none fits.
+/// the best fit by a model that it has. Throws std::runtime_error where none fits, or reaches the
+/// whole image.
 CameraFit storable(const Camera& camera, CalibrationFormat format);
+
+/// For those who read a file that holds a fit of this camera: what was fitted and what that costs,
+/// in a line. Empty where the fit is exact.
+std::string fitNote(const Camera& camera, const PixelError& error);
+
+/// The same in a sentence for those who asked for a file: what `holder` (a file, or a part of it)
+/// has in place of the camera, and why. Empty where the fit is exact.
+std::string approximationNote(const std::string& holder, const Camera& camera,
+                              CalibrationFormat format, const CameraFit& fit);
 
 /// What a file says beside the intrinsics, where the format has a place for it.
 struct CalibrationLabels {

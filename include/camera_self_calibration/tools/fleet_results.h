@@ -20,6 +20,8 @@ struct EpochResult {
   bool solved = false;
   Camera lens;
   EpochSolution solution;  ///< Without `learnt`, which is on disk.
+  /// What the calibration file has in place of the lens, a sentence; empty if it has the lens.
+  std::string approximation;
 };
 
 struct CameraResult {
@@ -43,7 +45,8 @@ enum class CameraVerdict {
 /// "STEADY", "CHANGED", "OUTLIER", "VAGUE", "UNKNOWN".
 std::string toString(CameraVerdict verdict);
 CameraVerdict verdictOf(const CameraResult& camera);
-/// All that there is to say, in sentences: quality, changes with dates, stray bags, siblings.
+/// All that there is to say, in sentences: quality, changes with dates, approximations in files,
+/// stray bags, siblings.
 std::string sentenceOf(const CameraResult& camera);
 
 /// "2026-03-01 17:05 UTC", or "12.3 s" on a clock that was never set.
@@ -56,9 +59,10 @@ std::string pText(double p_value);
 /// or would lead elsewhere is replaced.
 std::string fileStem(const std::string& camera);
 
-/// Throws std::runtime_error if writeCamera would replace or remove the state of a single bag that
-/// one of the histories rests on.
-void refuseToReplaceBags(const std::vector<CameraHistory>& histories, const std::string& folder);
+/// Throws std::runtime_error if writeCamera would replace or remove what is not the result of an
+/// earlier merge: the state of a single bag that one of the histories rests on, or a file of
+/// somebody else.
+void refuseToReplaceOthers(const std::vector<CameraHistory>& histories, const std::string& folder);
 
 /// Solves all epochs of a camera and writes NAME.yaml (if CONVERGED), NAME.state and
 /// NAME.history.csv into the folder; earlier epochs as NAME.epoch1.yaml and NAME.epoch1.state, ...
