@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -41,21 +42,27 @@ std::vector<std::string> argumentsOf(const std::string& text) {
 }
 
 /// A folder of three pictures, each a pixel.
-const std::string& pictures() {
-  static const std::string folder = [] {
-    std::string name = "/tmp/arguments_fuzz_XXXXXX";
-    require(::mkdtemp(name.data()) != nullptr, "there is a folder for pictures");
-    for (const char* picture : {"/1.pgm", "/2.pgm", "/3.pgm"}) {
-      std::ofstream(name + picture) << "P5 1 1 255 x";
+struct Pictures {
+  std::string folder = "/tmp/arguments_fuzz_XXXXXX";
+
+  Pictures() {
+    require(::mkdtemp(folder.data()) != nullptr, "there is a folder for pictures");
+    for (const char* name : {"/1.pgm", "/2.pgm", "/3.pgm"}) {
+      std::ofstream(folder + name) << "P5 1 1 255 x";
     }
-    return name;
-  }();
-  return folder;
-}
+  }
+  ~Pictures() {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder, ignored);
+  }
+  Pictures(const Pictures&) = delete;
+  Pictures& operator=(const Pictures&) = delete;
+};
 
 /// That the times asked for lead to no picture that is not there.
 void readPictures(SourceOptions source) {
-  source.path = pictures();
+  static const Pictures pictures;
+  source.path = pictures.folder;
   source.topic.clear();
   const ImageSource images = openImages(source);
   std::int64_t count = 0;
