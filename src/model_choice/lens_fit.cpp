@@ -14,6 +14,8 @@ namespace {
 
 // [px rms] As printed.
 constexpr double kWorthAWord = 0.05;
+// Where this stands beside the uncertainty, nobody is to add them.
+constexpr const char* kCounted = " (which the uncertainty includes)";
 
 // Share of the image where a ray of `lens` has no pixel under `present`.
 double undescribedShare(const Camera& lens, const Camera& present, const ImageField& field) {
@@ -89,14 +91,15 @@ std::string LensFitReport::sentence() const {
   if (!refuted && misfit.rms < kWorthAWord) return "no richer lens model fits better than " + model;
   if (!refuted) {
     return "the video does not rule out that " + model +
-           formatted(" misses the lens by %.1f px rms", misfit.rms);
+           formatted(" misses the lens by %.1f px rms", misfit.rms) + kCounted;
   }
   std::string text = model;
   text += describesImage() ? formatted(" misses the lens by %.1f px rms, %.1f px at worst",
                                        misfit.rms, misfit.max)
                            : formatted(" has no ray for %.0f %% of the image", 100.0 * undescribed);
-  return text + (better.empty() ? ", and no other model was found to fit"
-                                : ", but " + better + " fits it");
+  return text + kCounted +
+         (better.empty() ? ", and no other model was found to fit"
+                         : ", but " + better + " fits it");
 }
 
 std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool verdict_due,

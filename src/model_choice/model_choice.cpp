@@ -176,10 +176,11 @@ std::string ModelChoice::sentence() const {
   if (chosen == nullptr) return "";
   const std::string text = "lens model " + chosen->model;
   if (next == nullptr) return text + ": no richer model fits the video better";
-  return text +
-         formatted(" (log-likelihood %.1f %s that of the next best, ", std::abs(next->behind),
-                   next->behind < 0.0 ? "below" : "above") +
-         next->model + ")";
+  const std::string lead = formatted("log-likelihood %.1f higher)", std::abs(next->behind));
+  if (next->behind < 0.0) {
+    return text + " (" + next->model + " fits the video better, but not by enough: " + lead;
+  }
+  return text + " (fits the video better than the next best, " + next->model + ": " + lead;
 }
 
 }  // namespace camera_self_calibration

@@ -220,7 +220,7 @@ std::string fitNote(const Camera& camera, const PixelError& error) {
 
 std::string approximationNote(const std::string& holder, const Camera& camera,
                               CalibrationFormat format, const CameraFit& fit) {
-  if (fit.error.max == 0.0) return {};
+  if (fit.error.max < kNoticeablePx) return {};
   return holder + " holds an approximation, since " + toString(format) + " has no " +
          toString(camera.model()) + " lens like this: " + toString(fit.camera.model()) + ", " +
          offBy(fit.error) + ".";

@@ -159,7 +159,7 @@ std::optional<StereoPair> stereoPair(const Rig& rig, std::string* problem) {
 
 std::string stereoNote(const std::string& holder, const sensor_msgs::CameraInfo& info,
                        const PixelError& error) {
-  if (error.max == 0.0) return {};
+  if (error.max < kNoticeablePx) return {};
   return holder + " holds an approximation, since both of a pair have one distortion model: " +
          info.distortion_model + ", " + offBy(error) + ".";
 }

@@ -23,6 +23,7 @@
 #include "camera_self_calibration/camera/image_weights.h"
 #include "camera_self_calibration/camera/pixel_grid.h"
 #include "camera_self_calibration/camera/rotation_compensation.h"
+#include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "pipeline/track_run.h"
 

@@ -17,6 +17,7 @@
 #include "benchmark/random_sequence.h"
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/reference/trajectory_batch.h"
 #include "camera_self_calibration/reference/trajectory_comparison.h"

@@ -79,7 +79,9 @@ TEST(LensFit, SaysWhatTheVideoDoesNotRuleOut) {
   EXPECT_EQ(report.sentence(), "no richer lens model fits better than pinhole");
   report.misfit = {2.5, 6.0};
   EXPECT_EQ(report.sentence(),
-            "the video does not rule out that pinhole misses the lens by 2.5 px rms");
+            "the video does not rule out that pinhole misses the lens by 2.5 px rms (which the "
+            "uncertainty "
+            "includes)");
 }
 
 TEST(LensFit, FindsAWideLensThatRadtanCannotDescribe) {
@@ -119,7 +121,9 @@ TEST(LensFit, SaysWhereTheImageHasNoRays) {
   report.better = "equidistant";
   report.misfit = {15.5, 50.0};
   report.undescribed = 0.1;
-  EXPECT_EQ(report.sentence(), "radtan has no ray for 10 % of the image, but equidistant fits it");
+  EXPECT_EQ(report.sentence(),
+            "radtan has no ray for 10 % of the image (which the uncertainty includes), but "
+            "equidistant fits it");
 }
 
 TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {

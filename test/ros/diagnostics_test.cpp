@@ -144,7 +144,8 @@ TEST(CalibrationEntry, WordsOfTheEstimatorAreExplained) {
   missed.lens_fit.better = "fov";
   missed.lens_fit.misfit = {1.2, 4.0};
   EXPECT_EQ(valueOf(calibration(missed, published()), "lens fit"),
-            "radtan misses the lens by 1.2 px rms, 4.0 px at worst, but fov fits it");
+            "radtan misses the lens by 1.2 px rms, 4.0 px at worst (which the uncertainty "
+            "includes), but fov fits it");
 }
 
 TEST(QueueEntry, QueueAndEntropyAreExplained) {

@@ -73,7 +73,8 @@ TEST(Messages, CalibrationHasASigmaForEachValue) {
   report.observed = {0.8, {0.2, 0.3}, "the upper left corner was never seen", nullptr};
   Calibration message = toCalibration(report, TrackingState::kTracking, "Follows.");
   EXPECT_EQ(message.lens_fit,
-            "pinhole misses the lens by 5.0 px rms, 12.0 px at worst, but radtan fits it");
+            "pinhole misses the lens by 5.0 px rms, 12.0 px at worst (which the uncertainty "
+            "includes), but radtan fits it");
   EXPECT_EQ(message.better_model, "radtan");
   EXPECT_EQ(message.misfit_rms, 5.0);
   EXPECT_EQ(message.misfit_max, 12.0);

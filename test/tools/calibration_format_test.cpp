@@ -6,6 +6,7 @@
 
 #include <opencv2/core.hpp>
 
+#include "camera/sample_cameras.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "tools/format_samples.h"
 
@@ -343,6 +344,17 @@ TEST(CalibrationFormat, SurvivesDamage) {
       }
     }
   }
+}
+
+TEST(CalibrationFormat, AnApproximationIsSaidWhereItIsNoticed) {
+  const Camera camera = camera640(CameraModel::kFov, {320, 322, 316, 243, 0.95});
+  const Camera close = camera640(CameraModel::kEquidistant, {320, 322, 316, 243, 0, 0, 0, 0});
+  CameraFit fit{close, {0.2, 0.9}};
+  const std::string note = approximationNote("a.yaml", camera, CalibrationFormat::kRos, fit);
+  EXPECT_EQ(note.find("a.yaml holds an approximation, since ros has no "), 0u) << note;
+  fit.error = {1e-6, 2e-5};
+  EXPECT_EQ(approximationNote("a.yaml", camera, CalibrationFormat::kRos, fit), "");
+  EXPECT_NE(fitNote(camera, fit.error), "") << "in the file it is said";
 }
 
 }  // namespace

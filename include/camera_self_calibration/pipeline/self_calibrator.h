@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "camera_self_calibration/map/segment.h"
-#include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
@@ -14,6 +13,8 @@
 #include "camera_self_calibration/tracking/image_view.h"
 
 namespace camera_self_calibration {
+
+struct KeyframeMessage;  // pipeline/front_end.h
 
 /// The newest part of the map, until the keyframe that is handed to the back end: with a rolling
 /// shutter that may be, two images after it was taken. Lives as long as the call.

@@ -61,8 +61,11 @@ CameraFit storable(const Camera& camera, CalibrationFormat format);
 /// in a line. Empty where the fit is exact.
 std::string fitNote(const Camera& camera, const PixelError& error);
 
+/// Below this a fit is as good as exact: no image shows it [px].
+constexpr double kNoticeablePx = 1e-3;
+
 /// The same in a sentence for those who asked for a file: what `holder` (a file, or a part of it)
-/// has in place of the camera, and why. Empty where the fit is exact.
+/// has in place of the camera, and why. Empty where nobody would notice (kNoticeablePx).
 std::string approximationNote(const std::string& holder, const Camera& camera,
                               CalibrationFormat format, const CameraFit& fit);
 
