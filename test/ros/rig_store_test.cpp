@@ -148,7 +148,7 @@ TEST_F(RigStoreTest, ACamchainThatOnlyApproximatesALensSaysSo) {
   RigReport report = converged();
   EXPECT_TRUE(RigStore(options_, "rig", false).notes(report).empty()) << "Kalibr has fov";
   report.estimate.rig.cameras[1] =
-      camera640(CameraModel::kRadtan, {600, 600, 320, 240, -0.2, 0.05, 0, 0, -0.01});
+      camera640(CameraModel::kRadtan, {460, 460, 320, 240, -0.3, 0.12, 0, 0, -0.03});
   ASSERT_TRUE(save(report).success);
   const std::vector<std::string> notes = RigStore(options_, "rig", false).notes(report);
   ASSERT_EQ(notes.size(), 1u);
