@@ -240,17 +240,18 @@ CalibrationStore::Outcome RigCalibrationNode::saveTo(RigStore* store, const RigR
   }
   const CalibrationStore::Outcome outcome = store->save(report, infos, states);
   if (!outcome.success) log_.warn(outcome.message);
-  const std::vector<std::string> notes = store->notes(report);
+  if (outcome.success) warnOfNotes(*store, report);
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (outcome.success) warnOfNotes(notes);
   saving_ = outcome.message;
   saving_failed_ = !outcome.success;
   return outcome;
 }
 
 // Once: each saving would say the same with other figures.
-void RigCalibrationNode::warnOfNotes(const std::vector<std::string>& notes) {
-  if (notes.empty() || std::exchange(notes_told_, true)) return;
+void RigCalibrationNode::warnOfNotes(const RigStore& store, const RigReport& report) {
+  if (notes_told_) return;
+  const std::vector<std::string> notes = store.notes(report);
+  if (notes.empty() || notes_told_.exchange(true)) return;
   for (const std::string& note : notes) log_.warn(note);
 }
 

@@ -1,11 +1,9 @@
 #include "camera_self_calibration/tools/bag_state.h"
 
-#include <filesystem>
 #include <stdexcept>
 
 #include "camera_self_calibration/fleet/state_solution.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
-#include "camera_self_calibration/pipeline/state_file.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -13,6 +11,15 @@ namespace {
 [[noreturn]] void refuse(const std::string& path, const std::string& why) {
   throw std::runtime_error("the state file " + path + " is left untouched: " + why +
                            ". Choose another file, or --overwrite");
+}
+
+// Of a state file, whole or damaged, or of none.
+FileContents ownContents(const std::string& path) {
+  FileContents contents = readFile(path);
+  if (!contents.exists || beginsAsState(contents.bytes)) return contents;
+  throw std::runtime_error("the file " + path +
+                           " is left untouched: it is not a state file of this program. Choose " +
+                           "another file");
 }
 
 // What the run said last rather than what the segments say alone: a lens that drifts, a model that
@@ -44,19 +51,13 @@ std::shared_ptr<const LearntState> stateOfBag(const Recording& recording, const 
   return state;
 }
 
-void refuseForeignFile(const std::string& path) {
-  const FileContents contents = readFile(path);
-  if (!contents.exists || beginsAsState(contents.bytes)) return;
-  throw std::runtime_error("the file " + path +
-                           " is left untouched: it is not a state file of this program. Choose " +
-                           "another file");
-}
+void refuseForeignFile(const std::string& path) { ownContents(path); }
 
 std::shared_ptr<const LearntState> finishedState(const std::string& path, const std::string& bag,
                                                  const std::string& camera) {
-  if (!std::filesystem::exists(path)) return nullptr;
-  refuseForeignFile(path);
-  const DecodedState decoded = readStateFile(path);
+  const FileContents contents = ownContents(path);
+  if (!contents.exists) return nullptr;
+  const DecodedState decoded = decodeState(contents.bytes);
   if (!decoded.state) refuse(path, decoded.error);
   const std::vector<BagRecord>& bags = decoded.state->bags;
   if (bags.size() != 1 || bags[0].bag != bag || bags[0].camera != camera) {

@@ -11,7 +11,6 @@
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
-#include "camera_self_calibration/pipeline/state_file.h"
 #include "camera_self_calibration/plotting/contribution_chart.h"
 #include "camera_self_calibration/tools/bag_state.h"
 #include "camera_self_calibration/tools/calibration_file.h"
@@ -189,21 +188,26 @@ Json cameraJson(const CameraResult& camera) {
 }
 
 // What calibrate_bag or a robot wrote, rather than a merge.
-bool isOwnState(const fs::path& path) {
-  const DecodedState decoded = readStateFile(path.string());
+bool isOwnState(const std::string& bytes) {
+  const DecodedState decoded = decodeState(bytes);
   if (!decoded.state) return false;
   const std::vector<BagRecord>& bags = decoded.state->bags;
   return bags.empty() || (bags.size() == 1 && bags[0].state_file.empty());
 }
 
-// Neither a state nor, beside a history that every merge writes, its calibration.
-bool isForeign(const fs::path& file, const fs::path& history) {
-  if (file.extension() == ".yaml") return !fs::exists(history);
-  return !beginsAsState(readFile(file.string()).bytes);
-}
-
 fs::path historyFile(const fs::path& folder, const std::string& camera) {
   return folder / (fileStem(camera) + ".history.csv");
+}
+
+// Why a file must stay; empty where an earlier merge has written it. Every merge writes a history
+// beside its calibrations. `may_be_input`: a history may rest on it.
+std::string whyItStays(const fs::path& file, const fs::path& history, bool may_be_input) {
+  constexpr const char* kForeign = "no merge has written";
+  const bool state = file.extension() == ".state";
+  if (!state && !fs::exists(history)) return kForeign;
+  const std::string bytes = readFile(file.string()).bytes;
+  if (state && !beginsAsState(bytes)) return kForeign;
+  return may_be_input && isOwnState(bytes) ? "holds the result of one bag" : "";
 }
 
 }  // namespace
@@ -219,13 +223,11 @@ void refuseToReplaceOthers(const std::vector<CameraHistory>& histories, const st
   }
   for (const CameraHistory& history : histories) {
     for (const fs::path& file : epochFiles(folder, history.name)) {
-      const bool foreign = isForeign(file, historyFile(folder, history.name));
-      const bool of_bag = states.count(fs::weakly_canonical(file)) > 0 && isOwnState(file);
-      if (!foreign && !of_bag) continue;
+      const std::string why = whyItStays(file, historyFile(folder, history.name),
+                                         states.count(fs::weakly_canonical(file)) > 0);
+      if (why.empty()) continue;
       throw std::runtime_error("the result for the camera '" + history.name + "' would replace " +
-                               file.string() + ", which " +
-                               (foreign ? "no merge has written" : "holds the result of one bag") +
-                               ": give another folder to --out");
+                               file.string() + ", which " + why + ": give another folder to --out");
     }
   }
 }

@@ -66,7 +66,7 @@ class RigCalibrationNode {
   bool save(std_srvs::Trigger::Request& request, std_srvs::Trigger::Response& response);
   CalibrationStore::Outcome saveTo(RigStore* store, const RigReport& report);
   void describe(diagnostic_updater::DiagnosticStatusWrapper& status);
-  void warnOfNotes(const std::vector<std::string>& notes);
+  void warnOfNotes(const RigStore& store, const RigReport& report);
   std::string inputProblem();
 
   ros::NodeHandle node_;
@@ -92,10 +92,11 @@ class RigCalibrationNode {
   bool converged_ = false;
   bool closing_ = false;  // nothing is to be told any more
 
+  std::atomic<bool> notes_told_{false};  // those of the stores
+
   mutable std::mutex mutex_;  // for what follows, and in ports_
   std::string saving_;        // how the newest one ended
   bool saving_failed_ = false;
-  bool notes_told_ = false;  // those of the store
 
   std::unique_ptr<RigSelfCalibrator> calibrator_;
   ros::CallbackQueue service_queue_;
