@@ -28,6 +28,13 @@ void emitCamera(const CalibrationReport& report, YAML::Emitter* out) {
        << std::vector<double>(covariance.data(), covariance.data() + covariance.size());
 }
 
+void emitLensFit(const LensFitReport& fit, YAML::Emitter* out) {
+  *out << YAML::Key << "lens_fit" << YAML::Value << fit.sentence();
+  *out << YAML::Key << "better_model" << YAML::Value << fit.better;
+  *out << YAML::Key << "misfit_rms_px" << YAML::Value << fit.misfit.rms;
+  *out << YAML::Key << "misfit_max_px" << YAML::Value << fit.misfit.max;
+}
+
 void emitQueue(const QueueReport& queue, YAML::Emitter* out) {
   *out << YAML::Key << "queue" << YAML::Value << YAML::BeginMap;
   *out << YAML::Key << "swaps" << YAML::Value << queue.swaps;
@@ -63,12 +70,14 @@ std::string toYaml(const CalibrationReport& report, std::int64_t dropped_images)
   out << YAML::Key << "pixel_uncertainty_observed_rms_px" << YAML::Value
       << report.observed.uncertainty.rms;
   out << YAML::Key << "observed_share" << YAML::Value << report.observed.share;
+  out << YAML::Key << "unseen_corners" << YAML::Value << report.observed.unseen_corners;
   if (report.cross_validation.compared) {
     const CrossValidation& halves = report.cross_validation;
     out << YAML::Key << "cross_difference_px" << YAML::Value << halves.difference_px;
     out << YAML::Key << "cross_expected_px" << YAML::Value << halves.expected_px;
     out << YAML::Key << "cross_p_value" << YAML::Value << halves.p_value;
   }
+  if (report.lens_fit.compared) emitLensFit(report.lens_fit, &out);
   out << YAML::Key << "entropy_nats" << YAML::Value << report.entropy;
   out << YAML::Key << "rolling_shutter" << YAML::Value << report.shutter.rolls;
   out << YAML::Key << "readout_time_s" << YAML::Value << report.shutter.readout_s;
