@@ -1,15 +1,12 @@
 #include "camera_self_calibration/ros/messages.h"
 
 #include <gtest/gtest.h>
-#include <yaml-cpp/yaml.h>
 
 #include <cmath>
 #include <limits>
-#include <string>
 
 #include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
-#include "camera_self_calibration/ros/report_yaml.h"
 #include "camera_self_calibration/ros/stamps.h"
 
 namespace camera_self_calibration {
@@ -99,19 +96,6 @@ TEST(Messages, CalibrationHasASigmaForEachValue) {
   EXPECT_EQ(message.sigma[7], 0.5);
   EXPECT_EQ(message.sigma[8], 0.0) << "k3 is held";
   EXPECT_EQ(message.covariance.size(), 64u);
-}
-
-TEST(ReportYaml, SaysWhatTheMessageSaysOfTheLensModel) {
-  CalibrationReport report;
-  EXPECT_FALSE(YAML::Load(toYaml(report, 0))["misfit_rms_px"]) << "not compared yet";
-  report.lens_fit = {true, "pinhole", true, "radtan", {5.0, 12.0}, {4.0, 9.0}, 0.0};
-  report.observed.unseen_corners = "the upper left corner was never seen";
-  const YAML::Node yaml = YAML::Load(toYaml(report, 0));
-  EXPECT_EQ(yaml["lens_fit"].as<std::string>(), report.lens_fit.sentence());
-  EXPECT_EQ(yaml["better_model"].as<std::string>(), "radtan");
-  EXPECT_EQ(yaml["misfit_rms_px"].as<double>(), 5.0);
-  EXPECT_EQ(yaml["misfit_max_px"].as<double>(), 12.0);
-  EXPECT_EQ(yaml["unseen_corners"].as<std::string>(), report.observed.unseen_corners);
 }
 
 TEST(Messages, QueueAndEvent) {
