@@ -124,7 +124,7 @@ void judge(const CameraHistory& history, int epoch, const QueueSolution& solutio
   evidence.uncertainty = {result->uncertainty_px, result->uncertainty_px};
   evidence.threshold_px = Options().convergedRms(solution.camera.width());
   evidence.blind_below_px = halves.blindBelowPx();
-  result->health = judgeHealth(evidence, solution.camera, false);
+  result->health = judgeHealth(evidence, solution.camera, CalibrationState::kConverging);
 }
 
 }  // namespace

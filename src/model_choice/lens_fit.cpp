@@ -53,28 +53,26 @@ PixelError withUndescribed(double share, const PixelError& misfit) {
 }
 
 // What a richer lens says of the present one.
-LensFitReport misfitBeside(const QueueSolution& solution, const LensTrial& richer,
-                           const IntrinsicsMatrix& covariance, double share,
+LensFitReport misfitBeside(const KnownCamera& present, const KnownCamera& richer, double share,
                            const SeenImage& image) {
-  const Camera& now = solution.camera;
   const auto misfit = [&](const ImageField& field) {
-    return beyond(pixelUncertainty(now, solution.covariance, field),
-                  pixelDistance(now, richer.camera, field),
-                  pixelUncertainty(richer.camera, covariance, field), share);
+    return beyond(pixelUncertainty(present.camera, present.covariance, field),
+                  pixelDistance(present.camera, richer.camera, field),
+                  pixelUncertainty(richer.camera, richer.covariance, field), share);
   };
   LensFitReport report;
-  report.undescribed = share * undescribedShare(richer.camera, now, image.seeing);
+  report.undescribed = share * undescribedShare(richer.camera, present.camera, image.seeing);
   report.misfit = withUndescribed(report.undescribed, misfit(image.seeing));
   report.misfit_observed = misfit(image.observed);
   return report;
 }
 
 // What a lens beyond all models says of the present one.
-LensFitReport misfitBeside(const QueueSolution& solution, const FreeDisplacement& free,
+LensFitReport misfitBeside(const KnownCamera& present, const FreeDisplacement& free,
                            const SeenImage& image) {
   const auto misfit = [&](const ImageField& field) {
-    return beyond(pixelUncertainty(solution.camera, solution.covariance, field),
-                  free.distance(field), free.uncertainty(field), 1.0);
+    return beyond(pixelUncertainty(present.camera, present.covariance, field), free.distance(field),
+                  free.uncertainty(field), 1.0);
   };
   LensFitReport report;
   report.misfit = misfit(image.seeing);
@@ -94,12 +92,45 @@ std::string LensFitReport::sentence() const {
            formatted(" misses the lens by %.1f px rms", misfit.rms) + kCounted;
   }
   std::string text = model;
-  text += describesImage() ? formatted(" misses the lens by %.1f px rms, %.1f px at worst",
-                                       misfit.rms, misfit.max)
-                           : formatted(" has no ray for %.0f %% of the image", 100.0 * undescribed);
-  return text + kCounted +
-         (better.empty() ? ", and no other model was found to fit"
-                         : ", but " + better + " fits it");
+  if (misfit.rms < kWorthAWord) {
+    text += " does not fit the lens";  // its uncertainty is so large that the misfit adds nothing
+  } else if (describesImage()) {
+    text += formatted(" misses the lens by %.1f px rms, %.1f px at worst", misfit.rms, misfit.max) +
+            kCounted;
+  } else {
+    text += formatted(" has no ray for %.0f %% of the image", 100.0 * undescribed) + kCounted;
+  }
+  return text + (better.empty() ? ", and no other model was found to fit"
+                                : ", but " + better + " fits it");
+}
+
+double LensFit::holdAgainstRicher(const LensComparison& comparison, const KnownCamera& present,
+                                  const SeenImage& image, double significance, int threads) {
+  report_ = LensFitReport();
+  double least = 1.0;
+  for (const LensTrial& richer : comparison.richer) {
+    const LensKnowledge known = knowledgeOf(comparison.observations, richer, threads);
+    const double p_value = leadByChance(richer, comparison.present, known);
+    if (known.covariance.size() == 0 || !(p_value < least)) continue;
+    least = p_value;
+    report_ = misfitBeside(present, {richer.camera, known.covariance},
+                           shareBeyondChance(richer, comparison.present, known), image);
+    if (p_value <= significance) report_.better = richer.name();
+  }
+  report_.compared = true;
+  report_.model = toString(present.camera.model());
+  return least;
+}
+
+LensComparison LensFit::compareStart(const Segment& batch, const KnownCamera& present,
+                                     const ImageField& seeing, int threads) {
+  LensComparison comparison = compareWithRicher({{batch}, {1.0}, {}}, present.camera, threads);
+  const double least =
+      holdAgainstRicher(comparison, present, {seeing, seeing}, kSignificanceAlone, threads);
+  starts_refuted_ = least <= kSignificanceAlone ? starts_refuted_ + 1 : 0;
+  report_.refuted = starts_refuted_ >= kStartsInARow;
+  if (!report_.refuted) report_ = LensFitReport();
+  return comparison;
 }
 
 std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool verdict_due,
@@ -113,32 +144,25 @@ std::optional<LensComparison> LensFit::consider(std::int64_t keyframes, bool ver
   if (!solution.usable || sequences == compared_) return std::nullopt;
   compared_ = std::move(sequences);
   next_ = nextComparison(keyframes);
-  report_ = LensFitReport();
+  const KnownCamera present{solution.camera, solution.covariance};
   LensComparison comparison =
-      compareWithRicher(observationsOf(queue, solution.scatter), solution.camera, threads);
-  double least = 1.0;
-  for (const LensTrial& richer : comparison.richer) {
-    const LensKnowledge knowledge = knowledgeOf(comparison.observations, richer, threads);
-    const double p_value = leadByChance(richer, comparison.present, knowledge);
-    if (knowledge.covariance.size() == 0 || !(p_value < least)) continue;
-    least = p_value;
-    report_ = misfitBeside(solution, richer, knowledge.covariance,
-                           shareBeyondChance(richer, comparison.present, knowledge), image);
-    if (p_value <= options_.significance) report_.better = richer.name();
-  }
+      compareWithRicher(observationsOf(queue, solution.scatter), present.camera, threads);
+  double least = holdAgainstRicher(comparison, present, image, options_.significance, threads);
   // Two accounts of what lies beyond the model: to be on the safe side, the larger counts.
   if (least > options_.significance) {
     const FreeDisplacement free =
         freeDisplacement(comparison.observations, comparison.present, threads);
     const LensFitReport beyond_models =
-        free.p_value < 1.0 ? misfitBeside(solution, free, image) : LensFitReport();
-    if (report_.misfit.rms < beyond_models.misfit.rms) report_ = beyond_models;
+        free.p_value < 1.0 ? misfitBeside(present, free, image) : LensFitReport();
+    if (report_.misfit.rms < beyond_models.misfit.rms) {
+      report_.misfit = beyond_models.misfit;
+      report_.misfit_observed = beyond_models.misfit_observed;
+      report_.undescribed = beyond_models.undescribed;
+    }
     least = std::min(least, free.p_value);
   }
   report_.refuted = least <= options_.significance && report_.misfit.rms > 0.0;
   if (!report_.refuted) report_.better.clear();
-  report_.compared = true;
-  report_.model = toString(solution.camera.model());
   return comparison;
 }
 

@@ -133,6 +133,15 @@ std::optional<LensTrial> simplerThan(const LensTrial& present, const LensKnowled
 
 }  // namespace
 
+std::string timesAsLikely(double nats) {
+  constexpr double kReadable = 1000.0;
+  if (std::abs(nats) >= std::log(kReadable)) {
+    return formatted("10^%.0f", nats / std::log(10.0));
+  }
+  const double times = std::exp(nats);
+  return formatted(times < 9.5 ? "%.2g" : "%.0f", times);
+}
+
 bool ModelChoice::isDue(std::int64_t keyframes) {
   if (keyframes < next_) return false;
   next_ = nextComparison(keyframes);
@@ -147,7 +156,7 @@ std::optional<LensTrial> ModelChoice::choose(const LensComparison& comparison,
   if (!best.usable) return std::nullopt;
   const LensKnowledge known = trials.knowledge(best);
   const bool alone = comparison.observations.segments.size() == 1;
-  const double refuted = alone ? options_.refuted_alone : options_.refuted;
+  const double refuted = alone ? kSignificanceAlone : options_.refuted;
   std::optional<LensTrial> other;
   if (leadByChance(best, present, known) < refuted) {
     other = simplestTenable(refuted, known, &trials);
@@ -176,11 +185,14 @@ std::string ModelChoice::sentence() const {
   if (chosen == nullptr) return "";
   const std::string text = "lens model " + chosen->model;
   if (next == nullptr) return text + ": no richer model fits the video better";
-  const std::string lead = formatted("log-likelihood %.1f higher)", std::abs(next->behind));
+  if (std::isinf(next->behind)) return text + ": no other model was found to fit the video";
+  const std::string times = timesAsLikely(std::abs(next->behind)) + " times as likely)";
   if (next->behind < 0.0) {
-    return text + " (" + next->model + " fits the video better, but not by enough: " + lead;
+    return text + " (" + next->model +
+           " fits the video better, but not by enough: with it the tracks are " + times;
   }
-  return text + " (fits the video better than the next best, " + next->model + ": " + lead;
+  return text + " (fits the video better than the next best, " + next->model + ": the tracks are " +
+         times;
 }
 
 }  // namespace camera_self_calibration

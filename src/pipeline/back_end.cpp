@@ -243,9 +243,10 @@ void BackEnd::offerHalves() {
 }
 
 void BackEnd::judge() {
-  state_.health = verdictOn(state_, convergedRms());
+  state_.health = verdictOn(state_, convergedRms(), state_.health.state);
   const bool converged = state_.health.state == CalibrationState::kConverged;
   if (converged && !converged_told_) raise(EventType::kConverged, state_.health.sentence);
+  if (!converged && converged_told_) raise(EventType::kNoLongerConverged, state_.health.sentence);
   converged_told_ = converged;
 }
 
@@ -258,7 +259,7 @@ BackEndOutput BackEnd::finish() {
   changed_ = false;
   output.events = std::exchange(events_, {});
   for (Event& event : output.events) event.epoch = state_.counters.epoch;
-  output.report = reportOf(state_);
+  output.report = reportOf(state_, convergedRms());
   return output;
 }
 

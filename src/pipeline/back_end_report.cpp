@@ -1,6 +1,7 @@
 #include "camera_self_calibration/pipeline/back_end_report.h"
 
 #include <string>
+#include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/estimation/entropy.h"
@@ -8,11 +9,15 @@
 namespace camera_self_calibration {
 namespace {
 
-std::string sentenceOf(const BackEndState& state) {
-  std::string sentence = state.health.sentence;
+// Of a verdict, with what else is to be said.
+std::string sentenceOf(const HealthVerdict& verdict, const BackEndState& state) {
+  std::string sentence = verdict.sentence;
   const std::string choice = state.model_choice.sentence();
   if (!choice.empty()) sentence += "; " + choice;
-  if (isStarting(state.phase)) return sentence;
+  if (isStarting(state.phase)) {
+    const LensFitReport& fit = state.lens_fit.report();
+    return fit.refuted && !state.chooses_model ? sentence + "; " + fit.sentence() : sentence;
+  }
   for (const std::string& remark :
        {state.known.cross_validation.sentence(), state.lens_fit.report().sentence(),
         state.known.observed.unseen_corners}) {
@@ -38,7 +43,7 @@ SegmentReport reportOf(const Candidate& candidate) {
 
 }  // namespace
 
-HealthVerdict verdictOn(const BackEndState& state, double converged_rms) {
+HealthVerdict verdictOn(const BackEndState& state, double converged_rms, CalibrationState before) {
   if (state.phase == Phase::kHeld) {
     return {CalibrationState::kConverged, "the intrinsics were given and are held", ""};
   }
@@ -58,19 +63,27 @@ HealthVerdict verdictOn(const BackEndState& state, double converged_rms) {
   evidence.obstacle = state.obstacle;
   // Where the model is chosen, a better one follows by itself.
   if (fit.better.empty() || !state.chooses_model) {
-    evidence.model_misses = fit.refuted && fit.misfit.rms > state.known.noise.rms;
+    evidence.model_misses =
+        fit.refuted && (!evidence.handed_over || fit.misfit.rms > state.known.noise.rms);
     evidence.better_model = fit.better;
   }
-  const bool was_converged = state.health.state == CalibrationState::kConverged;
-  return judgeHealth(evidence, state.known.camera, was_converged);
+  evidence.model_was_given = !state.chooses_model;
+  return judgeHealth(evidence, state.known.camera, before);
 }
 
-CalibrationReport reportOf(const BackEndState& state) {
+CalibrationReport reportOf(const BackEndState& state, double converged_rms) {
   CalibrationReport report;
   report.stamp_ns = state.stamp_ns;
   report.state = state.health.state;
-  report.sentence = sentenceOf(state);
+  report.sentence = sentenceOf(state.health, state);
   report.hint = state.health.hint;
+  if (report.state == CalibrationState::kConverged) {
+    HealthVerdict afresh = verdictOn(state, converged_rms, CalibrationState::kConverging);
+    if (afresh.state != report.state) {
+      afresh.sentence = sentenceOf(afresh, state);
+      report.afresh = std::move(afresh);
+    }
+  }
   report.camera = state.known.camera;
   report.covariance = state.known.covariance;
   if (queueLeads(state.phase)) {

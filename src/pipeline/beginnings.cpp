@@ -111,6 +111,7 @@ CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
   advance(PhaseTrigger::kLensChanged);
   ++state_.counters.epoch;
   state_.health.state = CalibrationState::kInitializing;
+  converged_told_ = false;  // the event above says it
   state_.model_choice = ModelChoice(ModelChoiceOptions());
   state_.watch.beginLens(verdict.onset_ns,
                          by_queue ? std::optional<Scatter>(before.scatter) : std::nullopt);

@@ -16,9 +16,9 @@ constexpr int kKeyframesToJudge = 12;
 // 0.025 to 0.1 in a batch, by noise in the estimated rotations. Such an estimate may be used, but
 // nobody should be told that it converges.
 constexpr double kDegenerateUncertaintyShare = 0.02;
-// CONVERGED is left when the uncertainty exceeds the limit by more than it is known to: the scatter
-// of a few segments, some eight degrees of freedom, tells a standard deviation to a quarter of it,
-// and this is twice that.
+// A state is left when the uncertainty has passed the limit by more than it is known to: the
+// scatter of a few segments, some eight degrees of freedom, tells a standard deviation to a quarter
+// of it, and this is twice that.
 constexpr double kHysteresis = 1.5;
 
 // Halves that are as good as each other differ by twice the uncertainty of both together. Up to
@@ -44,9 +44,11 @@ std::string limitToLeave(const HealthEvidence& evidence) {
                    kHysteresis * evidence.threshold_px);
 }
 
-bool isUnobserved(const HealthEvidence& evidence, const Camera& camera) {
+bool isUnobserved(const HealthEvidence& evidence, const Camera& camera, bool was_unobserved) {
   if (!evidence.has_estimate || evidence.information.size() == 0) return false;
-  return !(evidence.uncertainty.rms < kDegenerateUncertaintyShare * camera.width()) ||
+  const double limit_px =
+      kDegenerateUncertaintyShare * camera.width() / (was_unobserved ? kHysteresis : 1.0);
+  return !(evidence.uncertainty.rms < limit_px) ||
          !(scaledEigenvalues(evidence.information)(0) > kUnobservedEigenvalue);
 }
 
@@ -83,14 +85,37 @@ std::string settable(const std::string& model) {
 
 // What to do about a model that misses the lens.
 std::string adviceOn(const std::string& better_model) {
-  if (!better_model.empty()) return "set the parameter model to " + settable(better_model);
-  return "let features pass through the whole image; if the misfit stays, accept the error with "
-         "converged_pixel_rms, or use a lens model of more parameters";
+  if (!better_model.empty()) {
+    const std::string model = settable(better_model);
+    return "use the lens model " + model + (model == "auto" ? "" : ", or auto, which finds one");
+  }
+  return "let features pass through the whole image; if the misfit stays, allow a larger error "
+         "(converged_pixel_rms), or use a lens model of more parameters";
+}
+
+std::string beginning(const HealthEvidence& evidence) {
+  return evidence.epoch > 0 ? "the lens changed and is being calibrated anew"
+                            : "the calibration is starting";
+}
+
+// However the camera moves: under this model no motion gives a calibration.
+HealthVerdict startsUnderAWrongModel(const HealthEvidence& evidence) {
+  return {CalibrationState::kInitializing,
+          beginning(evidence) + ", but the lens model does not fit the lens",
+          adviceOn(evidence.better_model)};
+}
+
+HealthVerdict degenerate(const HealthEvidence& evidence, const WeakDirection& weak) {
+  return {CalibrationState::kDegenerate,
+          "the motion so far does not determine the intrinsics; least known: " + weak.name +
+              ", which keeps its last value",
+          weak.hint + (evidence.model_was_given
+                           ? "; if this stays, the lens model may be wrong: use auto"
+                           : "")};
 }
 
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
-  std::string sentence = evidence.epoch > 0 ? "the lens changed and is being calibrated anew"
-                                            : "the calibration has started from a guess";
+  std::string sentence = beginning(evidence);
   if (evidence.has_estimate) {
     sentence += "; so far it is " + goodTo(evidence) +
                 formatted(" (startup ends below %.2f px)", 2.0 * evidence.threshold_px);
@@ -106,9 +131,10 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
 }  // namespace
 
 HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
-                          bool was_converged) {
+                          CalibrationState before) {
   const double rms = evidence.uncertainty.rms;
-  const double allowed = (was_converged ? kHysteresis : 1.0) * evidence.threshold_px;
+  const double allowed =
+      (before == CalibrationState::kConverged ? kHysteresis : 1.0) * evidence.threshold_px;
   const bool checked = evidence.blind_below_px <= kMostBetweenHalves * allowed;
   if (evidence.handed_over && rms <= allowed && checked) {
     return {CalibrationState::kConverged,
@@ -139,11 +165,10 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
     return {CalibrationState::kWaitingForMotion, "the camera has not moved enough yet",
             "move the camera"};
   }
-  if (evidence.keyframes >= kKeyframesToJudge && isUnobserved(evidence, camera)) {
-    return {CalibrationState::kDegenerate,
-            "the motion so far does not determine the intrinsics; least known: " + weak.name +
-                ", which keeps its last value",
-            weak.hint};
+  if (evidence.model_misses) return startsUnderAWrongModel(evidence);
+  if (evidence.keyframes >= kKeyframesToJudge &&
+      isUnobserved(evidence, camera, before == CalibrationState::kDegenerate)) {
+    return degenerate(evidence, weak);
   }
   return stillLearning(evidence, weak);
 }

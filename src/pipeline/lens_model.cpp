@@ -7,13 +7,15 @@
 namespace camera_self_calibration {
 
 // Until the queue is the better estimate, on the startup batch: under a model that is far from the
-// lens its segments fit none, and the queue stays empty.
+// lens its segments fit none, and the queue stays empty. A model that was given stays, but what
+// speaks against it is said, lest the motion be blamed.
 void BackEnd::considerStartupModel() {
-  if (!state_.chooses_model || queueLeads(state_.phase) || !state_.startup.comparable()) return;
+  if (queueLeads(state_.phase) || !state_.startup.comparable()) return;
   if (!state_.model_choice.isDue(state_.keyframes)) return;
-  LensObservations observations{{state_.startup.solved()}, {1.0}, {}};
-  chooseModel(
-      compareWithRicher(std::move(observations), state_.startup.camera(), options_.solver_threads));
+  const LensComparison comparison = state_.lens_fit.compareStart(
+      state_.startup.solved(), {state_.startup.camera(), state_.startup.covariance()}, state_.field,
+      options_.solver_threads);
+  if (state_.chooses_model) chooseModel(comparison);
 }
 
 // Ahead of every verdict, so that no lens is called CONVERGED that its model does not describe.

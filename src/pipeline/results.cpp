@@ -34,6 +34,8 @@ std::string toString(EventType type) {
       return "INPUT";
     case EventType::kMountChanged:
       return "MOUNT_CHANGED";
+    case EventType::kNoLongerConverged:
+      return "NO_LONGER_CONVERGED";
   }
   return "";
 }

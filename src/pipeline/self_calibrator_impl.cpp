@@ -105,8 +105,15 @@ void SelfCalibrator::Impl::start(int image_width, int image_height,
   report = CalibrationReport();
   report.camera = next->camera;
   report.uncertainty = PixelError::unknown();
+  noteStartsGivenUp(&report);
   learnt.reset();
   update.reset();
+}
+
+// With the lock held.
+void SelfCalibrator::Impl::noteStartsGivenUp(CalibrationReport* to) const {
+  to->starts_given_up = starts_given_up;
+  to->start_given_up = start_given_up;
 }
 
 void SelfCalibrator::Impl::followRequests(const TrackedFrame& frame) {
@@ -135,6 +142,11 @@ void SelfCalibrator::Impl::distrustStart(const TrackedFrame& frame, bool contrad
   raise({EventType::kInput, frame.stamp_ns, frame.stamp_ns,
          "the start values are given up, since " + std::to_string(maps_lost) +
              " maps in a row were lost with them; the calibration begins again from a guess"});
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    ++starts_given_up;
+    start_given_up = beginning->camera;
+  }
   start(width, height, {Camera::defaultGuess(options.firstModel(), width, height), nullptr});
 }
 
@@ -267,6 +279,7 @@ void SelfCalibrator::Impl::processKeyframe(const KeyframeMessage& message) {
       update = std::move(output.update);
       learnt = back_end->state();
     }
+    noteStartsGivenUp(&output.report);
     report = output.report;
   }
   // The report first, so that an event finds the epoch that it speaks of.

@@ -38,6 +38,7 @@ struct SelfCalibrator::Impl {
   void start(int width, int height, const Requests::Restart& request);
   void followRequests(const TrackedFrame& frame);
   void distrustStart(const TrackedFrame& frame, bool contradicted);
+  void noteStartsGivenUp(CalibrationReport* to) const;
   void refuseOtherSize(const TrackedFrame& frame, Requests::Restart* request) const;
   void checkSource(bool takes_images);
   void raise(const Event& event) const {
@@ -73,6 +74,8 @@ struct SelfCalibrator::Impl {
   std::optional<CalibrationUpdate> update;  // newest, for thread 1
   CalibrationReport report;
   std::uint64_t newest_beginning = 0;
+  std::uint64_t starts_given_up = 0;     // since the calibrator was made
+  std::optional<Camera> start_given_up;  // the newest
   std::shared_ptr<const LearntState> learnt;
   BoundedQueue<ImageView> images;
   BoundedQueue<KeyframeMessage> keyframes;

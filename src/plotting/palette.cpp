@@ -46,6 +46,8 @@ Colour eventColour(EventType type) {
     case EventType::kConverged:
     case EventType::kRelocalized:
       return stateColour(CalibrationState::kConverged);
+    case EventType::kNoLongerConverged:
+      return stateColour(CalibrationState::kConverging);
     case EventType::kHandover:
     case EventType::kInput:
       break;

@@ -80,9 +80,9 @@ double CrossValidation::inflation() const {
 std::string CrossValidation::sentence() const {
   if (!compared) return "";
   return formatted(
-      agrees() ? "two halves of the video agree (difference %.2f px rms, expected %.2f px)"
-               : "two halves of the video disagree (difference %.2f px rms, expected %.2f px)",
-      difference_px, expected_px);
+      "two parts of the video that share no image %s on the lens (difference %.2f px rms, expected "
+      "%.2f px)",
+      agrees() ? "agree" : "disagree", difference_px, expected_px);
 }
 
 CrossValidation crossValidate(const QueueSolution& solution, const ImageField& field) {

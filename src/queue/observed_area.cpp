@@ -78,12 +78,13 @@ std::string unseenCorners(const ImageField& observed, const ImageField& seeing) 
     if (seesCorner(seeing, corner) && !seesCorner(observed, corner)) names.push_back(corner.name);
   }
   if (names.empty()) return "";
-  if (names.size() == std::size(kCorners)) return "the corners of the image were never seen";
-  std::string text = "the " + names[0];
-  for (std::size_t i = 1; i < names.size(); ++i) {
-    text += (i + 1 < names.size() ? ", the " : " and the ") + names[i];
+  std::string text = "no feature of the images that the calibration rests on reached the ";
+  if (names.size() == std::size(kCorners)) return text + "corners";
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const char* const before = i == 0 ? "" : i + 1 < names.size() ? ", the " : " and the ";
+    text += before + names[i];
   }
-  return text + (names.size() == 1 ? " corner was never seen" : " corners were never seen");
+  return text + (names.size() == 1 ? " corner" : " corners");
 }
 
 }  // namespace camera_self_calibration

@@ -39,6 +39,7 @@ CalibrationReport withJointIntrinsics(CalibrationReport report, const RigEstimat
   report.camera = estimate.rig.cameras[camera];
   report.covariance = estimate.intrinsics_covariance[camera];
   report.uncertainty = estimate.uncertainty[camera];
+  report.afresh.reset();
   report.sentence = formatted(
       "Jointly with the other cameras of the rig the calibration is good to %.2g px rms "
       "over the image (alone: %.2g px)",

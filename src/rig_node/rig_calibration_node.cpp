@@ -63,7 +63,8 @@ void RigCalibrationNode::start(const std::string& name) {
   for (int c = 0; c < options_.cameras(); ++c) addPort(c);
   RigCallbacks callbacks;
   callbacks.event = [this](int camera, const Event& event) {
-    raise(event, event.type == EventType::kMountChanged ? "the rig" : cameraText(options_, camera));
+    raise(withCameraInfo(event, camera_info_->state(camera)),
+          event.type == EventType::kMountChanged ? "the rig" : cameraText(options_, camera));
   };
   callbacks.rig = [this](const RigReport& report) { onReport(report); };
   calibrator_ = std::make_unique<RigSelfCalibrator>(
@@ -169,15 +170,25 @@ void RigCalibrationNode::onReport(const RigReport& report) {
     publishPlaces(report);
     published_revision_ = report.revision;
   }
-  if (converged && !converged_) {
-    const std::int64_t stamp_ns = report.estimate.poses.back().stamp_ns;
-    raise({EventType::kConverged, stamp_ns, stamp_ns, report.sentence}, "the rig");
-  }
-  converged_ = converged;
+  tellState(report);
   if (converged && store_->hasFile() && saved_revision_ != report.revision) {
     saved_revision_ = report.revision;
     saveTo(store_.get(), report);
   }
+}
+
+// A lens or a mount that changed, a new epoch, has an event of its own. Reports of several threads
+// may overtake each other.
+void RigCalibrationNode::tellState(const RigReport& report) {
+  if (report.revision < published_revision_) return;
+  const bool before = converged_ && report.epoch == converged_epoch_;
+  converged_ = report.state == CalibrationState::kConverged;
+  converged_epoch_ = report.epoch;
+  if (converged_ == before || report.estimate.poses.empty()) return;
+  const std::int64_t stamp_ns = report.estimate.poses.back().stamp_ns;
+  raise({converged_ ? EventType::kConverged : EventType::kNoLongerConverged, stamp_ns, stamp_ns,
+         report.sentence},
+        "the rig");
 }
 
 std::string RigCalibrationNode::frameOf(int camera) const {

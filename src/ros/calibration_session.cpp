@@ -12,7 +12,7 @@ CalibrationSession::CalibrationSession(const Options& options, Callbacks callbac
 std::string CalibrationSession::start(const std::optional<Camera>& initial_camera) {
   stop();
   if (started_) {
-    base_ = {newest_.map_id + 1, newest_.revision + 1, newest_.epoch + 1};
+    base_ = {newest_.map_id + 1, newest_.revision + 1, newest_.epoch + 1, newest_.starts_given_up};
   }
   started_ = true;
   try {
@@ -68,10 +68,12 @@ void CalibrationSession::pass(FrameResult result) const {
 void CalibrationSession::pass(CalibrationReport report) const {
   report.revision += base_.revision;
   report.epoch += base_.epoch;
+  report.starts_given_up += base_.starts_given_up;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     newest_.revision = std::max(newest_.revision, report.revision);
     newest_.epoch = std::max(newest_.epoch, report.epoch);
+    newest_.starts_given_up = std::max(newest_.starts_given_up, report.starts_given_up);
   }
   if (callbacks_.calibration) callbacks_.calibration(report);
 }

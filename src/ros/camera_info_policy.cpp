@@ -1,6 +1,7 @@
 #include "camera_self_calibration/ros/camera_info_policy.h"
 
 #include <cmath>
+#include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
 
@@ -10,7 +11,23 @@ namespace {
 // A difference counts from so many standard deviations on.
 constexpr double kSignificant = 3.0;
 
+std::string joined(const std::string& a, const std::string& b) {
+  return a + (a.empty() || b.empty() ? "" : " ") + b;
+}
+
+bool isSame(const Camera& a, const Camera& b) {
+  return a.model() == b.model() && a.width() == b.width() && a.height() == b.height() &&
+         a.parameters() == b.parameters();
+}
+
 }  // namespace
+
+Event withCameraInfo(Event event, const CameraInfoState& info) {
+  if (event.type == EventType::kNoLongerConverged && info.last_good) {
+    event.sentence += "; camera_info goes on with the last good calibration";
+  }
+  return event;
+}
 
 bool CameraInfoPolicy::usable(const CalibrationReport& report) const {
   if (report.state == CalibrationState::kConverged) return true;
@@ -35,6 +52,36 @@ bool CameraInfoPolicy::lastGoodHolds(const CalibrationReport& report) const {
 }
 
 std::string CameraInfoPolicy::update(const CalibrationReport& report) {
+  const std::string refuted = forgetRefuted(report);
+  return joined(refuted, follow(report));
+}
+
+// What goes out may have been given anew since the report was made: a start that was given up
+// refutes itself, and no other.
+std::string CameraInfoPolicy::forgetRefuted(const CalibrationReport& report) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const bool news =
+      report.starts_given_up != std::exchange(starts_given_up_, report.starts_given_up);
+  if (!news || !inherited_ || !report.start_given_up || !isSame(*report.start_given_up, *camera_)) {
+    return {};
+  }
+  const std::string which = given_ ? "that set_camera_info brought" : "known from earlier images";
+  if (fixed_ && fixed_->K == published_->info.K) fixed_.reset();
+  withdraw();
+  return "The calibration " + which +
+         " is no longer published as camera_info: it cannot be right, since map after map was lost "
+         "with it. camera_info is zero until the images have given one.";
+}
+
+void CameraInfoPolicy::withdraw() {
+  good_epoch_.reset();
+  camera_.reset();
+  published_.reset();
+  inherited_ = given_ = false;
+  warning_.clear();
+}
+
+std::string CameraInfoPolicy::follow(const CalibrationReport& report) {
   const bool converged = report.state == CalibrationState::kConverged;
   std::string judged;
   {
@@ -46,11 +93,7 @@ std::string CameraInfoPolicy::update(const CalibrationReport& report) {
     last_good_ = !converged && lastGoodHolds(report);
     if (last_good_) return {};
     if (!usable(report)) {
-      good_epoch_.reset();
-      camera_.reset();
-      published_.reset();
-      inherited_ = given_ = false;
-      warning_.clear();
+      withdraw();
       return {};
     }
     good_epoch_ = converged ? std::optional<std::uint64_t>(report.epoch) : std::nullopt;
@@ -62,8 +105,7 @@ std::string CameraInfoPolicy::update(const CalibrationReport& report) {
     }
     judged = judgement(report);
   }
-  const std::string warning = publish(report.camera, converged);
-  return judged + (judged.empty() || warning.empty() ? "" : " ") + warning;
+  return joined(judged, publish(report.camera, converged));
 }
 
 // Of a calibration that was given, by the first estimate that the images gave.

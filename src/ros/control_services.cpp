@@ -90,8 +90,7 @@ void ControlServices::autosave(bool at_once) {
   const sensor_msgs::CameraInfo info = targets_.published_info();
   if (!whyNotConverged(now, info).empty() || now->state == saved_) return;
   // Where the newest segments disagree what was saved before may be the better one.
-  const CalibrationReport& report = now->report;
-  if (report.uncertainty.rms > options_.pipeline.convergedRms(report.camera.width())) return;
+  if (!now->report.isGoodNow()) return;
   last_save_ = ros::WallTime::now();
   const CalibrationStore::Outcome outcome = saveTo(targets_.store, *now, info);
   // What cannot be saved is tried again with the next estimate, and said once.

@@ -21,6 +21,8 @@ std::string meaningOf(EventType type) {
              "kept.)";
     case EventType::kConverged:
       return " (CONVERGED: the calibration is good enough for use, and camera_info is published.)";
+    case EventType::kNoLongerConverged:
+      return " (NO_LONGER_CONVERGED: the calibration is not good enough for use any more.)";
     case EventType::kCalibrationChange:
       return " (CALIBRATION_CHANGE: the lens was bumped, refocused or zoomed.)";
     case EventType::kMountChanged:
@@ -66,8 +68,9 @@ void describeCameraInfo(const CameraInfoState& info, Status* status) {
 std::string newestSegment(const std::string& decision) {
   if (decision.empty()) return {};
   const bool scored = decision.find("entropy") != std::string::npos;
-  return "The newest segment: " + asSentence(decision) +
-         (scored ? " The lower its entropy, the more informative a segment is." : "");
+  const std::string entropy =
+      " Entropy: how uncertain the lens would be by that segment alone; lower is better.";
+  return "The newest segment: " + asSentence(decision) + (scored ? entropy : "");
 }
 
 }  // namespace
@@ -101,7 +104,7 @@ void describeCalibration(const CalibrationReport& report, const CameraInfoState&
     status->add("pixel uncertainty rms there [px]", report.observed.uncertainty.rms);
   }
   if (report.cross_validation.compared) {
-    status->add("two halves of the video", report.cross_validation.sentence());
+    status->add("two parts of the video", report.cross_validation.sentence());
   }
   if (report.lens_fit.compared) status->add("lens fit", report.lens_fit.sentence());
   status->add("shutter", describe(report.shutter));

@@ -56,6 +56,8 @@ std::string labelOf(const Event& event) {
       return "input: see /diagnostics";
     case EventType::kMountChanged:
       return "the mount changed";
+    case EventType::kNoLongerConverged:
+      return "no longer well calibrated";
   }
   return "";
 }

@@ -211,7 +211,9 @@ Callbacks SelfCalibrationNode::callbacks() {
     visualizer_->add(report);
     results_->publish(report);
   };
-  callbacks.event = [this](const Event& event) { raise(event); };
+  callbacks.event = [this](const Event& event) {
+    raise(withCameraInfo(event, camera_info_policy_->state()));
+  };
   callbacks.map = [this](const MapView& view) {
     visualizer_->add(view.map_id, view.camera, view.newest);
   };

@@ -23,8 +23,9 @@ FileContents ownContents(const std::string& path) {
 }
 
 // What the run said last rather than what the segments say alone: a lens that drifts, a model that
-// does not fit.
+// does not fit, an error that grew beyond the limit.
 void addReport(const CalibrationReport& report, BagRecord* record) {
+  record->state = report.state;
   record->lens_changes = report.epoch;
   record->misfit_px = report.lens_fit.misfit.rms;
   record->uncertainty_px = report.uncertainty.rms;
@@ -47,6 +48,7 @@ std::shared_ptr<const LearntState> stateOfBag(const Recording& recording, const 
   record->images = recording.frames;
   addReport(recording.final_report, &*record);
   auto state = std::make_shared<LearntState>(*recording.learnt);
+  state->state = record->state;
   state->bags = {*record};
   return state;
 }

@@ -29,7 +29,8 @@ double valueOf(const Camera& camera, Eigen::Index i) {
   return i < camera.parameters().size() ? camera.parameters()(i) : kNone;
 }
 
-/// log10 |Sigma'|, from h = 1/2 ln |2 pi e Sigma'|.
+/// log10 |Sigma'|, from h = 1/2 ln |2 pi e Sigma'|: twice the sum of log10 of the normalised sigmas
+/// along the axes of the ellipsoid of uncertainty.
 double logDeterminant(double entropy, Eigen::Index count) {
   if (count == 0 || !std::isfinite(entropy)) return kNone;
   const double n = static_cast<double>(count);
@@ -67,7 +68,7 @@ Curve parameterCurve(const std::vector<BatchEstimate>& estimates, Eigen::Index i
 LineChart determinantChart(const std::vector<CalibrationReport>& reports,
                            const BatchComparison& comparison) {
   LineChart chart;
-  chart.title = "log10 of the determinant of the normalised covariance";
+  chart.title = "uncertainty of all parameters, log10 (lower is better)";
   Curve queue{"queue", kQueueColour, false, {}, {}, {}};
   for (const CalibrationReport& report : reports) {
     if (!ofLastModel(report, reports)) continue;
@@ -172,7 +173,7 @@ Sheet drawFocalLengthFigure(const std::vector<CalibrationReport>& reports,
   std::vector<LineChart> charts = {parameterChart(reports, comparison, reference, 0),
                                    determinantChart(reports, comparison)};
   markHandover(reports, &charts);
-  LineChartSheet sheet = sheetOf("Focal length and determinant", reference);
+  LineChartSheet sheet = sheetOf("Focal length, and uncertainty of all parameters", reference);
   sheet.columns = 1;
   sheet.panel_height = 230;
   return drawLineCharts(charts, sheet);

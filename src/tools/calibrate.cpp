@@ -135,6 +135,15 @@ void checkSize(const std::optional<Camera>& camera, const char* what, const Imag
 
 }  // namespace
 
+CalibrationReport atTheEnd(CalibrationReport report) {
+  if (!report.afresh) return report;
+  report.state = report.afresh->state;
+  report.sentence = report.afresh->sentence;
+  report.hint = report.afresh->hint;
+  report.afresh.reset();
+  return report;
+}
+
 Recording calibrate(ImageSource* source, const Options& options, const CalibrateExtras& extras) {
   Recording recording;
   recording.reference = extras.reference;
@@ -170,7 +179,7 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   calibrator.flush();
   conclude(monitor.counts());
   recording.processing_seconds = progress.elapsedSeconds();
-  recording.final_report = calibrator.calibration();
+  recording.final_report = atTheEnd(calibrator.calibration());
   recording.learnt = calibrator.state();
   if (!example.found().gray.empty()) recording.example = example.found();
   if (extras.batch && recording.complete) recording.batch = batch.finish();

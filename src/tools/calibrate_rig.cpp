@@ -146,11 +146,12 @@ void together(const SourceOptions& source, const std::vector<std::string>& topic
     recording->estimate.sentence = report.sentence;
     return;
   }
-  // What is not believed of the rig, as where clocks disagree, replaces nothing.
+  // What is not believed of the rig, as where clocks disagree, replaces nothing. A lens that was
+  // good enough once may be so again jointly, hence not atTheEnd() of its own video.
   for (std::size_t c = 0; recording->estimate.converged && c < recording->cameras.size(); ++c) {
-    CalibrationReport& own = recording->cameras[c].final_report;
-    own = withJointIntrinsics(own, recording->estimate, static_cast<int>(c),
-                              options.convergedRms(own.camera.width()));
+    const CalibrationReport& own = recording->cameras[c].reports.back();
+    recording->cameras[c].final_report = withJointIntrinsics(
+        own, recording->estimate, static_cast<int>(c), options.convergedRms(own.camera.width()));
   }
   recording->poses = onRig(way, recording->estimate.poses);
 }

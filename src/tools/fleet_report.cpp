@@ -88,7 +88,9 @@ std::string withSigma(const EpochResult& epoch, Eigen::Index i) {
 void addCameras(const std::vector<const CameraResult*>& cameras, HtmlPage* page) {
   const std::size_t shown = std::min(kRows, cameras.size());
   page->section("Cameras",
-                "The present lens, one sigma." + inAll(shown, cameras.size(), "fleet.json"));
+                "The present lens. Sigmas are of noise and of what bags disagree; the error "
+                "contains a misfit of the lens model too." +
+                    inAll(shown, cameras.size(), "fleet.json"));
   std::vector<Row> rows = {{"camera", "verdict", "bags", "epochs", "model", "fx [px]", "fy [px]",
                             "cx [px]", "cy [px]", "error [px rms]"}};
   for (std::size_t i = 0; i < shown; ++i) {

@@ -49,30 +49,42 @@ Json modelsJson(const std::vector<ModelEvidence>& models) {
 
 Json errorJson(const PixelError& error) { return {{"rms", error.rms}, {"max", error.max}}; }
 
+/// Null where nothing is known, so that nobody takes a default for a result.
+template <typename Value>
+Json ifKnown(bool known, Value value) {
+  return known ? Json(value) : Json();
+}
+
 Json lensFitJson(const LensFitReport& fit) {
+  const auto known = [&](const PixelError& misfit) {
+    return errorJson(fit.compared ? misfit : PixelError::unknown());
+  };
   return {{"sentence", fit.sentence()},
-          {"refuted", fit.refuted},
+          {"compared", fit.compared},
+          {"refuted", ifKnown(fit.compared, fit.refuted)},
           {"better_model", fit.better},
-          {"misfit", errorJson(fit.misfit)},
-          {"misfit_observed", errorJson(fit.misfit_observed)},
-          {"undescribed_share", fit.undescribed}};
+          {"misfit", known(fit.misfit)},
+          {"misfit_observed", known(fit.misfit_observed)},
+          {"undescribed_share", ifKnown(fit.compared, fit.undescribed)}};
 }
 
 Json crossValidationJson(const CrossValidation& halves) {
   return {{"sentence", halves.sentence()},
           {"compared", halves.compared},
-          {"cross_difference_px", halves.difference_px},
-          {"expected_px", halves.expected_px},
-          {"p_value", halves.p_value}};
+          {"cross_difference_px", ifKnown(halves.compared, halves.difference_px)},
+          {"expected_px", ifKnown(halves.compared, halves.expected_px)},
+          {"p_value", ifKnown(halves.compared, halves.p_value)}};
 }
 
 Json observedJson(const ObservedReport& observed) {
-  return {{"share", observed.share},
+  return {{"share", ifKnown(observed.share > 0.0, observed.share)},
           {"pixel_uncertainty", errorJson(observed.uncertainty)},
           {"unseen_corners", observed.unseen_corners}};
 }
 
 Json auditJson(const AuditReport& audit) {
+  const bool judged =
+      audit.verdict != AuditVerdict::kCannotTell || std::isfinite(audit.distance_px);
   return {{"verdict", toString(audit.verdict)},
           {"sentence", audit.sentence()},
           {"hint", audit.hint},
@@ -80,10 +92,10 @@ Json auditJson(const AuditReport& audit) {
           {"sigma_px", audit.sigma_px},
           {"at_most_px", audit.at_most_px},
           {"tolerance_px", audit.tolerance_px},
-          {"p_value", audit.p_value},
-          {"axis_deg", audit.axis_deg},
+          {"p_value", ifKnown(judged, audit.p_value)},
+          {"axis_deg", ifKnown(judged, audit.axis_deg)},
           {"axis_sigma_deg", audit.axis_sigma_deg},
-          {"refused_share", audit.refused},
+          {"refused_share", ifKnown(judged, audit.refused)},
           {"where", audit.where},
           {"likely_cause", toString(audit.cause)},
           {"since_stamp", audit.since_ns ? Json(toSeconds(*audit.since_ns)) : Json()}};

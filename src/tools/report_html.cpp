@@ -112,8 +112,8 @@ void addVerdict(const RunDescription& run, const Recording& recording, HtmlPage*
   };
   page->section("Why this verdict",
                 "The state is CONVERGED when the expected error is below its limit. The expected "
-                "error contains noise, disagreement between halves of the video, and misfit of "
-                "the lens model.");
+                "error contains noise, disagreement between two halves of the video that share no "
+                "image, and misfit of the lens model.");
   page->table({{"check", "result"},
                {"expected error", number(report.uncertainty.rms, 3) + " px rms; the limit is " +
                                       number(run.converged_pixel_rms, 2) + " px."},
@@ -126,14 +126,17 @@ void addModels(const Recording& recording, HtmlPage* page) {
   const std::vector<ModelEvidence>& models = recording.final_report.models;
   if (models.empty()) return;
   page->section("Comparison of lens models",
-                "How much better the model in use explains the observations, in nats: half the "
-                "difference in chi-square. The simplest model that the video does not refute "
-                "is in use.");
-  std::vector<std::vector<std::string>> rows = {{"model", "behind by [nats]", ""}};
+                "How many times as likely the tracks in the video are with the model in use as "
+                "with another one, each with the lens that fits best. By chance alone a model "
+                "gains a factor of some 1.6 for each parameter more. The simplest model that the "
+                "video does not refute is in use.");
+  std::vector<std::vector<std::string>> rows = {
+      {"model", "times as likely with the one in use", ""}};
   for (const ModelEvidence& model : models) {
-    rows.push_back({model.model,
-                    std::isfinite(model.behind) ? number(model.behind, 1) : "cannot fit the video",
-                    model.chosen ? "in use" : ""});
+    rows.push_back(
+        {model.model,
+         std::isfinite(model.behind) ? timesAsLikely(model.behind) : "cannot fit the video",
+         model.chosen ? "in use" : ""});
   }
   page->table(rows);
 }
@@ -231,8 +234,9 @@ void addParameters(const Recording& recording, HtmlPage* page) {
     }
   }
   page->section("Parameters",
-                "fx, fy, cx and cy are in pixels, and pixel centres lie at integer coordinates. "
-                "Sigma is one standard deviation.");
+                std::string("fx, fy, cx and cy are in pixels, and pixel centres lie at integer "
+                            "coordinates. ") +
+                    kSigmaMeaning);
   page->table(rows);
   if (report.covariance.size() == 0) return;
   page->paragraph(
@@ -243,19 +247,33 @@ void addParameters(const Recording& recording, HtmlPage* page) {
   page->correlations(names, inverse.asDiagonal() * report.covariance * inverse.asDiagonal());
 }
 
+/// What drawUncertainty leaves out.
+std::string misfitText(const CalibrationReport& report) {
+  const std::string left_out = "The map does not contain what the lens model misses of the lens";
+  const LensFitReport& fit = report.lens_fit;
+  if (!fit.compared) return left_out + ", which is not known yet.";
+  if (fit.misfit.rms < 0.0005) return left_out + "; compared with richer lenses, that is nothing.";
+  return left_out + ": compared with richer lenses " + number(fit.misfit.rms, 3) +
+         " px rms over the image, " + number(fit.misfit.max, 3) +
+         " px at the worst place. Squares add: with it, the expected error is " +
+         number(report.uncertainty.rms, 3) + " px rms.";
+}
+
 void addTrust(const Recording& recording, HtmlPage* page) {
   page->section("Where the calibration can be trusted",
-                "The expected error of a projection, with what a rotation of the camera absorbs "
-                "taken out; and how many of the observations that the result rests on lie in each "
-                "part of the image. Grey: none.");
+                "The error of a projection that noise makes, and what halves of the video disagree "
+                "beyond it, with what a rotation of the camera absorbs taken out; and how many of "
+                "the observations that the result rests on lie in each part of the image. Grey: "
+                "none.");
   if (recording.final_report.covariance.size() == 0) {
     page->paragraph("There is no estimate yet.");
     return;
   }
   std::vector<std::pair<Sheet, std::string>> charts = {
-      {drawUncertainty(recording), "Expected error over the image"}};
+      {drawUncertainty(recording), "Error by noise over the image"}};
   if (recording.learnt) charts.emplace_back(drawCoverage(recording), "Observations over the image");
   page->charts(charts);
+  page->paragraph(misfitText(recording.final_report));
 }
 
 void addConvergence(const Recording& recording, HtmlPage* page) {
@@ -264,9 +282,10 @@ void addConvergence(const Recording& recording, HtmlPage* page) {
   page->section(
       "Convergence",
       batch ? "The queue of the best segments beside the batch solution of the whole "
-              "trajectory, solved again from time to time with the same tracks and gates."
-            : "Estimates over the keyframes. Bands are three standard deviations; the dashed "
-              "line is the hand-over from startup to the queue.");
+              "trajectory, solved again from time to time with the same tracks and gates. Bands "
+              "are three sigmas, as above."
+            : "Estimates over the keyframes. Bands are three sigmas, as above; the dashed line is "
+              "the hand-over from startup to the queue.");
   std::vector<std::pair<Sheet, std::string>> charts;
   for (Sheet& panel :
        drawParameterPanels(recording.reports, recording.batch, recording.reference, kChartWidth)) {

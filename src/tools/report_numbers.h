@@ -30,4 +30,10 @@ inline std::string percent(double share, int decimals = 1) {
   return number(100.0 * share, decimals) + " %";
 }
 
+/// Beside parameters with their sigmas.
+constexpr const char* kSigmaMeaning =
+    "Sigma is one standard deviation of noise, larger where segments of the video disagree. It "
+    "contains no misfit of the lens model and nothing that halves of the video disagree beyond it; "
+    "the expected error in pixels contains both.";
+
 }  // namespace camera_self_calibration

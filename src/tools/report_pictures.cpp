@@ -170,13 +170,14 @@ Colour verdictColour(AuditVerdict verdict) {
 
 Sheet drawUncertainty(const Recording& recording) {
   const CalibrationReport& report = recording.final_report;
-  ImageMap map = mapOver(report.camera, "expected error (1 sigma); crosses: never seen", "px");
+  ImageMap map = mapOver(report.camera, "error by noise (1 sigma); crosses: no features", "px");
   map.crosses = unobservedPixels(recording);
   map.values = Eigen::MatrixXd::Constant(30, 40, kNone);
+  const double inflation = report.cross_validation.inflation();
   for (const UncertainPixel& point : uncertaintyOverImage(report.camera, report.covariance)) {
     const auto row = std::lround(point.pixel.y() / (report.camera.height() - 1) * 29.0);
     const auto column = std::lround(point.pixel.x() / (report.camera.width() - 1) * 39.0);
-    map.values(std::clamp(row, 0L, 29L), std::clamp(column, 0L, 39L)) = point.sigma;
+    map.values(std::clamp(row, 0L, 29L), std::clamp(column, 0L, 39L)) = inflation * point.sigma;
   }
   return drawImageMap(map, kChartWidth);
 }

@@ -19,7 +19,8 @@ int partOf(double position, int size, int parts);
 
 /// Charts of report.html. Those of the queue are empty panels before hand-over.
 
-/// Expected error of a projection over the image; the recording must have an estimate.
+/// Expected error of a projection over the image by noise and by halves of the video that disagree
+/// beyond it, without a misfit of the lens model; the recording must have an estimate.
 Sheet drawUncertainty(const Recording& recording);
 
 /// rms residual over the image, with the mean residual as arrows.

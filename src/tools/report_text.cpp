@@ -23,6 +23,10 @@ void writeParameters(const CalibrationReport& report, std::ostream& text) {
       text << (report.covariance.rows() > 0 ? "fixed" : "unknown") << '\n';
     }
   }
+  if (report.covariance.rows() > 0) {
+    text << "  (sigma: of noise and of segments that disagree; the pixel uncertainty also contains "
+            "a misfit of the lens model)\n";
+  }
 }
 
 std::string auditText(const AuditReport& audit) {

@@ -8,6 +8,7 @@
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/camera/pixel_grid.h"
 #include "camera_self_calibration/camera/rotation_compensation.h"
+#include "camera_self_calibration/estimation/marginal.h"
 #include "model_choice/displaced_segments.h"
 #include "model_choice/model_queues.h"
 
@@ -124,6 +125,42 @@ TEST(LensFit, SaysWhereTheImageHasNoRays) {
   EXPECT_EQ(report.sentence(),
             "radtan has no ray for 10 % of the image (which the uncertainty includes), but "
             "equidistant fits it");
+}
+
+// Of one segment, as the startup batch is one.
+TEST(LensFit, ComparesBeforeThereIsAQueue) {
+  const auto startOf = [](const Camera& truth, CameraModel model) {
+    SegmentOptions options;
+    options.camera = truth;
+    options.keyframes = 30;
+    options.tracks.pixel_sigma = 0.2;
+    const Candidate batch =
+        evaluateCandidate(CandidateOptions(), makeSegment(options, 3).segment, as(model, truth));
+    EXPECT_TRUE(batch.well_posed) << batch.reason;
+    LensFit fit{LensFitOptions()};
+    for (int i = 0; i < 3; ++i) {
+      EXPECT_FALSE(fit.report().compared) << "it may be a wrong minimum";
+      fit.compareStart(batch.segment,
+                       {batch.camera, covarianceFromInformation(batch.information).value()}, {}, 1);
+    }
+    return fit.report();
+  };
+  for (const Camera& truth : {kPinhole, kRadtan, kWide}) {
+    const LensFitReport report = startOf(truth, truth.model());
+    EXPECT_FALSE(report.refuted) << report.sentence();
+  }
+  const LensFitReport report = startOf(kAlmostPinhole, CameraModel::kPinhole);
+  EXPECT_TRUE(report.refuted);
+  EXPECT_FALSE(report.better.empty());
+  EXPECT_GT(report.misfit.rms, 0.0);
+}
+
+TEST(LensFit, DoesNotGiveAMisfitWhereItAddsNothing) {
+  LensFitReport report;
+  report.compared = report.refuted = true;
+  report.model = "pinhole";
+  report.better = "radtan";
+  EXPECT_EQ(report.sentence(), "pinhole does not fit the lens, but radtan fits it");
 }
 
 TEST(LensFit, ComparesWhenTheQueueHasChangedAndItIsTimeTo) {

@@ -108,6 +108,17 @@ void expectFound(const Camera& truth, CameraModel present) {
     }
   }
   EXPECT_NE(choice.sentence().find("lens model " + other->name()), std::string::npos);
+  EXPECT_NE(choice.sentence().find(" times as likely)"), std::string::npos) << choice.sentence();
+}
+
+TEST(ModelChoice, SaysHowManyTimesAsLikelyInNumbersThatCanBeRead) {
+  EXPECT_EQ(timesAsLikely(0.0), "1");
+  EXPECT_EQ(timesAsLikely(0.5), "1.6");
+  EXPECT_EQ(timesAsLikely(2.26), "10");  // 9.58
+  EXPECT_EQ(timesAsLikely(6.9), "992");
+  EXPECT_EQ(timesAsLikely(38.0), "10^17");
+  EXPECT_EQ(timesAsLikely(-2.0), "0.14");
+  EXPECT_EQ(timesAsLikely(-38.0), "10^-17");
 }
 
 TEST(ModelChoice, FindsDistortionThatTheModelLacks) {

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -149,6 +151,9 @@ TEST(BackEnd, AnotherLensBeginsAnEpochAndOneThatReturnsIsRecognised) {
   const BackEndOutput& change = watched.outputs.back();
   ASSERT_FALSE(change.events.empty());
   EXPECT_EQ(change.events.front().type, EventType::kCalibrationChange);
+  for (const Event& event : change.events) {
+    EXPECT_NE(event.type, EventType::kNoLongerConverged) << "the change says it";
+  }
   EXPECT_EQ(change.report.last_change, change.events.front().sentence);
   EXPECT_NE(change.report.state, CalibrationState::kConverged);
   ASSERT_TRUE(change.update) << "the front end needs it at once";
@@ -244,6 +249,87 @@ TEST(BackEnd, ARestoredQueueIsHeldUntilItIsConfirmed) {
   ASSERT_TRUE(confirmed.update);
   EXPECT_TRUE(confirmed.update->handed_over);
   EXPECT_EQ(back_end.state().known.camera.parameters(), restored.parameters());
+}
+
+/// A queue that was CONVERGED when it was saved, of three segments of the lens, and what is said
+/// when two of another lens come between them.
+class Contradicted {
+ public:
+  explicit Contradicted(double limit_px) : back_end_(optionsWith(limit_px), lens()) {
+    LearntState state;
+    state.camera = lens();
+    state.state = CalibrationState::kConverged;
+    for (const int seed : {0, 2, 4}) {
+      state.segments.push_back(candidateOf(lens(), perturbedCamera(lens(), seed), seed));
+    }
+    seen_.keyframes = 40;
+    seen_.candidate = state.segments.back().segment;
+    state.stamp_ns = seen_.candidate.endNs();
+    EXPECT_TRUE(back_end_.restore(state));
+    before = back_end_.hold(seen_, "");
+    std::vector<Candidate> others;
+    for (const int seed : {1, 3}) {
+      others.push_back(candidateOf(zoomed(lens(), 1.03), perturbedCamera(lens(), seed), seed));
+    }
+    contradicted = back_end_.confirm(others);
+    EXPECT_EQ(back_end_.state().queue.candidates().size(), 5u);
+    after = back_end_.hold(seen_, "");
+  }
+
+  BackEndOutput before, contradicted, after;
+
+ private:
+  static Options optionsWith(double limit_px) {
+    Options options = optionsFor(lens().model());
+    options.estimate_readout = false;
+    options.converged_pixel_rms = limit_px;
+    return options;
+  }
+
+  BackEnd back_end_;
+  KeyframeMessage seen_;
+};
+
+// CONVERGED is left at one and a half limits: the limit is put so that this lies between.
+TEST(BackEnd, ItIsAnEventThatConvergedIsLeft) {
+  const Contradicted measured(1.0);
+  const double good = measured.before.report.uncertainty.rms;
+  const double bad = measured.contradicted.report.uncertainty.rms;
+  ASSERT_TRUE(std::isfinite(bad));
+  ASSERT_GT(bad, 1.1 * good);
+  const double limit_px = std::sqrt(good * bad) / 1.5;
+  const Contradicted told(limit_px);
+  EXPECT_EQ(told.before.report.state, CalibrationState::kConverged) << told.before.report.sentence;
+  ASSERT_EQ(told.before.events.size(), 1u);
+  EXPECT_EQ(told.before.events[0].type, EventType::kConverged);
+  const CalibrationReport& worse = told.contradicted.report;
+  EXPECT_EQ(worse.state, CalibrationState::kConverging);
+  EXPECT_FALSE(worse.isGoodNow());
+  ASSERT_EQ(told.contradicted.events.size(), 1u);
+  const Event& event = told.contradicted.events[0];
+  EXPECT_EQ(event.type, EventType::kNoLongerConverged);
+  EXPECT_EQ(event.epoch, 0u);
+  EXPECT_FALSE(event.sentence.empty());
+  EXPECT_EQ(worse.sentence.find(event.sentence), 0u) << "why: " << event.sentence;
+  EXPECT_TRUE(told.after.events.empty()) << "said once";
+}
+
+// Here the limit is put so that the hysteresis keeps CONVERGED.
+TEST(BackEnd, SaysWhereConvergedIsOnlyKept) {
+  const Contradicted measured(1.0);
+  const double good = measured.before.report.uncertainty.rms;
+  const double bad = measured.contradicted.report.uncertainty.rms;
+  const double limit_px = std::max(std::sqrt(good * bad), bad / 1.4);
+  ASSERT_LT(limit_px, bad);
+  const Contradicted told(limit_px);
+  EXPECT_TRUE(told.before.report.isGoodNow());
+  const CalibrationReport& kept = told.contradicted.report;
+  EXPECT_EQ(kept.state, CalibrationState::kConverged);
+  EXPECT_FALSE(kept.isGoodNow());
+  ASSERT_TRUE(kept.afresh);
+  EXPECT_EQ(kept.afresh->state, CalibrationState::kConverging);
+  EXPECT_FALSE(kept.afresh->hint.empty());
+  EXPECT_TRUE(told.contradicted.events.empty());
 }
 
 TEST(BackEnd, WhatCannotBeRestoredChangesNothing) {

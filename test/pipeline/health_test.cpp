@@ -31,7 +31,8 @@ IntrinsicsMatrix focalUnobserved() {
 
 TEST(Health, WaitsForMotion) {
   for (const int keyframes : {0, 1}) {
-    const HealthVerdict verdict = judgeHealth(evidence(keyframes, false, INFINITY), kCamera, false);
+    const HealthVerdict verdict =
+        judgeHealth(evidence(keyframes, false, INFINITY), kCamera, CalibrationState::kInitializing);
     EXPECT_EQ(verdict.state, CalibrationState::kWaitingForMotion);
     EXPECT_FALSE(verdict.sentence.empty());
     EXPECT_NE(verdict.hint.find("move"), std::string::npos);
@@ -40,10 +41,11 @@ TEST(Health, WaitsForMotion) {
 
 TEST(Health, InitializesUntilHandover) {
   HealthEvidence early = evidence(3, false, INFINITY);
-  EXPECT_EQ(judgeHealth(early, kCamera, false).state, CalibrationState::kInitializing);
+  EXPECT_EQ(judgeHealth(early, kCamera, CalibrationState::kInitializing).state,
+            CalibrationState::kInitializing);
   HealthEvidence good = evidence(20, false, 0.3);  // good, but not confirmed by the queue
   good.obstacle = "the segments disagree";
-  const HealthVerdict verdict = judgeHealth(good, kCamera, false);
+  const HealthVerdict verdict = judgeHealth(good, kCamera, CalibrationState::kInitializing);
   EXPECT_EQ(verdict.state, CalibrationState::kInitializing);
   EXPECT_NE(verdict.sentence.find("0.30 px"), std::string::npos) << verdict.sentence;
   EXPECT_NE(verdict.sentence.find("the segments disagree"), std::string::npos);
@@ -55,35 +57,41 @@ TEST(Health, AnEstimateThatNothingChecksIsNotConverged) {
   HealthEvidence alone = evidence(20, true, 0.8);
   for (const double blind : {30.0, static_cast<double>(INFINITY)}) {
     alone.blind_below_px = blind;
-    const HealthVerdict verdict = judgeHealth(alone, kCamera, false);
+    const HealthVerdict verdict = judgeHealth(alone, kCamera, CalibrationState::kInitializing);
     EXPECT_EQ(verdict.state, CalibrationState::kConverging);
     EXPECT_NE(verdict.sentence.find("one part of the video alone"), std::string::npos);
     EXPECT_FALSE(verdict.hint.empty());
   }
   alone.blind_below_px = 1.6;  // of halves that are as good as each other
-  EXPECT_EQ(judgeHealth(alone, kCamera, false).state, CalibrationState::kConverged);
+  EXPECT_EQ(judgeHealth(alone, kCamera, CalibrationState::kInitializing).state,
+            CalibrationState::kConverged);
   // No flicker.
   alone.blind_below_px = 5.0;
-  EXPECT_EQ(judgeHealth(alone, kCamera, true).state, CalibrationState::kConverged);
-  EXPECT_EQ(judgeHealth(alone, kCamera, false).state, CalibrationState::kConverging);
+  EXPECT_EQ(judgeHealth(alone, kCamera, CalibrationState::kConverged).state,
+            CalibrationState::kConverged);
+  EXPECT_EQ(judgeHealth(alone, kCamera, CalibrationState::kInitializing).state,
+            CalibrationState::kConverging);
 }
 
 TEST(Health, ConvergesBelowTheThreshold) {
-  EXPECT_EQ(judgeHealth(evidence(20, true, 1.2), kCamera, false).state,
+  EXPECT_EQ(judgeHealth(evidence(20, true, 1.2), kCamera, CalibrationState::kInitializing).state,
             CalibrationState::kConverging);
-  const HealthVerdict verdict = judgeHealth(evidence(20, true, 1.0), kCamera, false);
+  const HealthVerdict verdict =
+      judgeHealth(evidence(20, true, 1.0), kCamera, CalibrationState::kInitializing);
   EXPECT_EQ(verdict.state, CalibrationState::kConverged);
   EXPECT_TRUE(verdict.hint.empty());
   EXPECT_NE(verdict.sentence.find("1.00 px"), std::string::npos) << verdict.sentence;
 }
 
 TEST(Health, LeavesConvergedWhenItIsClearlyNoLongerGood) {
-  const HealthVerdict kept = judgeHealth(evidence(20, true, 1.4), kCamera, true);
+  const HealthVerdict kept =
+      judgeHealth(evidence(20, true, 1.4), kCamera, CalibrationState::kConverged);
   EXPECT_EQ(kept.state, CalibrationState::kConverged);
   EXPECT_NE(kept.sentence.find("above 1.50 px"), std::string::npos) << kept.sentence;
-  EXPECT_EQ(judgeHealth(evidence(20, true, 1.4), kCamera, false).state,
+  EXPECT_EQ(judgeHealth(evidence(20, true, 1.4), kCamera, CalibrationState::kInitializing).state,
             CalibrationState::kConverging);
-  const HealthVerdict worse = judgeHealth(evidence(20, true, 1.6), kCamera, true);
+  const HealthVerdict worse =
+      judgeHealth(evidence(20, true, 1.6), kCamera, CalibrationState::kConverged);
   EXPECT_EQ(worse.state, CalibrationState::kConverging);
   EXPECT_NE(worse.sentence.find("1.60 px"), std::string::npos) << worse.sentence;
   EXPECT_FALSE(worse.hint.empty());
@@ -93,22 +101,25 @@ TEST(Health, IsNotConvergedUnderAModelThatDoesNotFit) {
   HealthEvidence misfit = evidence(20, true, 1.6);
   misfit.model_misses = true;
   misfit.better_model = "radtan";
-  for (const bool was_converged : {false, true}) {
-    const HealthVerdict verdict = judgeHealth(misfit, kCamera, was_converged);
+  for (const CalibrationState before :
+       {CalibrationState::kInitializing, CalibrationState::kConverged}) {
+    const HealthVerdict verdict = judgeHealth(misfit, kCamera, before);
     EXPECT_EQ(verdict.state, CalibrationState::kConverging);
     EXPECT_NE(verdict.sentence.find("does not fit the lens"), std::string::npos);
     EXPECT_NE(verdict.hint.find("radtan"), std::string::npos) << verdict.hint;
   }
   misfit.better_model = "radtan with k3";
-  EXPECT_NE(judgeHealth(misfit, kCamera, false).hint.find("auto"), std::string::npos);
+  EXPECT_NE(judgeHealth(misfit, kCamera, CalibrationState::kInitializing).hint.find("auto"),
+            std::string::npos);
   misfit.uncertainty = {0.9, 1.8};  // the misfit matters no more than the limit allows
-  EXPECT_EQ(judgeHealth(misfit, kCamera, false).state, CalibrationState::kConverged);
+  EXPECT_EQ(judgeHealth(misfit, kCamera, CalibrationState::kInitializing).state,
+            CalibrationState::kConverged);
 }
 
 TEST(Health, SaysThatNoModelFitsTheLens) {
   HealthEvidence misfit = evidence(20, true, 1.6);
   misfit.model_misses = true;
-  const HealthVerdict verdict = judgeHealth(misfit, kCamera, false);
+  const HealthVerdict verdict = judgeHealth(misfit, kCamera, CalibrationState::kInitializing);
   EXPECT_EQ(verdict.state, CalibrationState::kConverging);
   EXPECT_NE(verdict.sentence.find("no lens model was found to fit"), std::string::npos);
   EXPECT_NE(verdict.hint.find("converged_pixel_rms"), std::string::npos) << verdict.hint;
@@ -117,18 +128,46 @@ TEST(Health, SaysThatNoModelFitsTheLens) {
 TEST(Health, NamesWhatMotionDoesNotTell) {
   HealthEvidence weak = evidence(15, false, 5.0);
   weak.information = focalUnobserved();
-  HealthVerdict verdict = judgeHealth(weak, kCamera, false);
+  HealthVerdict verdict = judgeHealth(weak, kCamera, CalibrationState::kInitializing);
   EXPECT_EQ(verdict.state, CalibrationState::kDegenerate);
   EXPECT_NE(verdict.sentence.find("fx, fy"), std::string::npos) << verdict.sentence;
   EXPECT_FALSE(verdict.hint.empty());
   // Early on there is nothing to judge yet.
   weak.keyframes = 6;
-  EXPECT_EQ(judgeHealth(weak, kCamera, false).state, CalibrationState::kInitializing);
+  EXPECT_EQ(judgeHealth(weak, kCamera, CalibrationState::kInitializing).state,
+            CalibrationState::kInitializing);
   // Observable in numbers only: errors of a large part of the image.
   HealthEvidence useless = evidence(15, false, 0.2 * 640);
-  EXPECT_EQ(judgeHealth(useless, kCamera, false).state, CalibrationState::kDegenerate);
+  EXPECT_EQ(judgeHealth(useless, kCamera, CalibrationState::kInitializing).state,
+            CalibrationState::kDegenerate);
   useless.uncertainty = {INFINITY, INFINITY};
-  EXPECT_EQ(judgeHealth(useless, kCamera, false).state, CalibrationState::kDegenerate);
+  EXPECT_EQ(judgeHealth(useless, kCamera, CalibrationState::kInitializing).state,
+            CalibrationState::kDegenerate);
+}
+
+TEST(Health, KeepsDegenerateAtItsLimit) {
+  const auto at = [](double share, CalibrationState before) {
+    return judgeHealth(evidence(15, false, share * 640), kCamera, before).state;
+  };
+  EXPECT_EQ(at(0.016, CalibrationState::kInitializing), CalibrationState::kInitializing);
+  EXPECT_EQ(at(0.016, CalibrationState::kDegenerate), CalibrationState::kDegenerate);
+  EXPECT_EQ(at(0.012, CalibrationState::kDegenerate), CalibrationState::kInitializing);
+}
+
+// Where no motion can help, none is asked for.
+TEST(Health, BlamesAWrongModelRatherThanTheMotion) {
+  HealthEvidence wrong = evidence(15, false, 0.2 * 640);
+  wrong.model_was_given = true;
+  const HealthVerdict unknown = judgeHealth(wrong, kCamera, CalibrationState::kInitializing);
+  EXPECT_EQ(unknown.state, CalibrationState::kDegenerate);
+  EXPECT_NE(unknown.hint.find("auto"), std::string::npos) << unknown.hint;
+  wrong.model_misses = true;
+  wrong.better_model = "equidistant";
+  const HealthVerdict verdict = judgeHealth(wrong, kCamera, CalibrationState::kDegenerate);
+  EXPECT_EQ(verdict.state, CalibrationState::kInitializing);
+  EXPECT_NE(verdict.sentence.find("does not fit the lens"), std::string::npos) << verdict.sentence;
+  EXPECT_EQ(verdict.sentence.find("motion"), std::string::npos) << verdict.sentence;
+  EXPECT_EQ(verdict.hint, "use the lens model equidistant, or auto, which finds one");
 }
 
 // Not only once it has given up: every verdict before CONVERGED says what is missing.
@@ -136,7 +175,7 @@ TEST(Health, NamesTheLeastKnownWhileLearning) {
   for (const bool handed_over : {false, true}) {
     HealthEvidence learning = evidence(8, handed_over, 5.0);
     learning.information = focalUnobserved();
-    const HealthVerdict verdict = judgeHealth(learning, kCamera, false);
+    const HealthVerdict verdict = judgeHealth(learning, kCamera, CalibrationState::kInitializing);
     EXPECT_NE(verdict.sentence.find("least known: the focal length"), std::string::npos)
         << verdict.sentence;
     EXPECT_NE(verdict.hint.find("several axes"), std::string::npos) << verdict.hint;

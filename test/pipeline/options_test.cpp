@@ -125,6 +125,7 @@ TEST(Results, NamesOfStatesAndEvents) {
   EXPECT_EQ(toString(EventType::kRelocalized), "RELOCALIZED");
   EXPECT_EQ(toString(EventType::kInput), "INPUT");
   EXPECT_EQ(toString(EventType::kMountChanged), "MOUNT_CHANGED");
+  EXPECT_EQ(toString(EventType::kNoLongerConverged), "NO_LONGER_CONVERGED");
 }
 
 }  // namespace

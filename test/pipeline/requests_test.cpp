@@ -39,6 +39,7 @@ TEST_F(RequestsTest, ResetForgetsAndLearnsAgain) {
   ASSERT_TRUE(run_.runUntilConverged(600)) << run_.report().sentence;
   EXPECT_LT(pixelDistance(kTruth, run_.report().camera).rms, 1.0);
   EXPECT_GT(run_.report().revision, before.revision);
+  EXPECT_EQ(run_.report().starts_given_up, 0u) << "a guess is no start that was given";
 }
 
 TEST_F(RequestsTest, ResetTakesAStart) {
@@ -82,6 +83,9 @@ TEST(Requests, AStartThatPosesContradictIsGivenUp) {
   EXPECT_TRUE(std::any_of(events.begin(), events.end(), [](const Event& event) {
     return event.sentence.find("start values are given up") != std::string::npos;
   }));
+  EXPECT_EQ(run.record.reports.back().starts_given_up, 1u);
+  ASSERT_TRUE(run.record.reports.back().start_given_up);
+  EXPECT_EQ(run.record.reports.back().start_given_up->parameters(), start);
 }
 
 TEST_F(RequestsTest, FrozenItKeepsTheCalibrationAndGoesOnTracking) {

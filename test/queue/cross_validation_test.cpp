@@ -54,6 +54,8 @@ TEST(CrossValidation, IsTheDistanceOfTheHalvesEstimates) {
   EXPECT_NEAR(halves.difference_px, std::sqrt(metric(0, 0)), 1e-9);
   EXPECT_NEAR(halves.expected_px, std::sqrt(2.0 * metric.trace()), 1e-9);
   EXPECT_TRUE(halves.agrees());
+  EXPECT_EQ(halves.sentence().rfind("two parts of the video that share no image agree on", 0), 0u)
+      << halves.sentence();
 }
 
 // What the halves are expected to differ by follows the stated covariance.

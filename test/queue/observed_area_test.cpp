@@ -30,7 +30,8 @@ std::vector<Eigen::Vector2d> everywhereFrom(double left) {
 TEST(ObservedArea, IsNothingWithoutObservations) {
   const ImageField observed = observedArea({}, kCamera, {});
   EXPECT_EQ(observed.share(), 0.0);
-  EXPECT_EQ(unseenCorners(observed, {}), "the corners of the image were never seen");
+  EXPECT_EQ(unseenCorners(observed, {}),
+            "no feature of the images that the calibration rests on reached the corners");
 }
 
 TEST(ObservedArea, AFeatureCoversItsNeighbourhood) {
@@ -48,7 +49,15 @@ TEST(ObservedArea, NamesTheCornersThatNoFeatureReached) {
   EXPECT_EQ(all.share(), 1.0);
   EXPECT_EQ(unseenCorners(all, {}), "");
   const ImageField right = observedArea({seenAt(everywhereFrom(200.0))}, kCamera, {});
-  EXPECT_EQ(unseenCorners(right, {}), "the upper left and the lower left corners were never seen");
+  EXPECT_EQ(unseenCorners(right, {}),
+            "no feature of the images that the calibration rests on reached the upper left and the "
+            "lower left corners");
+  ImageField all_but_one = all;
+  for (int row = 0; row < 8; ++row) {
+    for (int column = 0; column < 8; ++column) all_but_one.setDark(column, row);
+  }
+  EXPECT_EQ(unseenCorners(all_but_one, {}),
+            "no feature of the images that the calibration rests on reached the upper left corner");
   ImageField seeing;  // the left is dark: there is nothing to see
   for (int row = 0; row < ImageField::kRows; ++row) {
     for (int column = 0; column < 12; ++column) seeing.setDark(column, row);

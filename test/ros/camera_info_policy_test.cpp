@@ -221,5 +221,83 @@ TEST(CameraInfoPolicy, WhatIsGivenIsValidAtOnceAndJudgedByTheImages) {
   EXPECT_EQ(publishedFocalLength(policy), 0.0) << "a reset ends it";
 }
 
+/// Of a calibrator that began again from a guess, since maps were lost with `start`.
+CalibrationReport givenUp(const Camera& start, std::uint64_t count) {
+  CalibrationReport result = report(CalibrationState::kInitializing, 400.0);
+  result.starts_given_up = count;
+  result.start_given_up = start;
+  return result;
+}
+
+TEST(CameraInfoPolicy, AGivenCalibrationThatTheCalibratorGaveUpGoesOutNoMore) {
+  CameraInfoPolicy policy{CameraInfoOptions()};
+  const Camera given = report(CalibrationState::kConverged, 500.0).camera;
+  policy.accept(given, toCameraInfo(given)->info);
+  policy.update(report(CalibrationState::kInitializing, 500.0));
+  ASSERT_EQ(publishedFocalLength(policy), 500.0);
+  const std::string warning = policy.update(givenUp(given, 1));
+  EXPECT_EQ(publishedFocalLength(policy), 0.0);
+  EXPECT_FALSE(policy.state().given);
+  EXPECT_NE(warning.find("set_camera_info"), std::string::npos) << warning;
+  EXPECT_NE(warning.find("no longer published"), std::string::npos) << warning;
+  EXPECT_EQ(policy.update(givenUp(given, 1)), "") << "said once";
+
+  policy.accept(given, toCameraInfo(given)->info);
+  EXPECT_EQ(policy.update(givenUp(given, 1)), "") << "given again, it is tried again";
+  EXPECT_EQ(publishedFocalLength(policy), 500.0);
+  EXPECT_NE(policy.update(givenUp(given, 2)), "");
+  EXPECT_EQ(publishedFocalLength(policy), 0.0);
+}
+
+TEST(CameraInfoPolicy, ACalibrationOfEarlierImagesThatWasGivenUpGoesOutNoMore) {
+  CameraInfoPolicy policy{CameraInfoOptions()};
+  const Camera known = report(CalibrationState::kConverged, 500.0).camera;
+  policy.inherit(known);
+  ASSERT_EQ(publishedFocalLength(policy), 500.0);
+  const std::string warning = policy.update(givenUp(known, 1));
+  EXPECT_NE(warning.find("earlier images"), std::string::npos) << warning;
+  EXPECT_EQ(publishedFocalLength(policy), 0.0);
+  EXPECT_FALSE(policy.state().inherited);
+}
+
+// It may come while the calibrator still is at the start before.
+TEST(CameraInfoPolicy, AnotherStartThatWasGivenUpSaysNothingOfTheGivenOne) {
+  CameraInfoPolicy policy{CameraInfoOptions()};
+  const Camera given = report(CalibrationState::kConverged, 500.0).camera;
+  policy.accept(given, toCameraInfo(given)->info);
+  EXPECT_EQ(policy.update(givenUp(report(CalibrationState::kConverged, 90.0).camera, 1)), "");
+  EXPECT_EQ(publishedFocalLength(policy), 500.0);
+  EXPECT_TRUE(policy.state().given);
+}
+
+TEST(CameraInfoPolicy, AFixedProjectionIsNotThatOfARefutedCalibration) {
+  CameraInfoOptions options;
+  options.fixed_projection = true;
+  CameraInfoPolicy policy(options);
+  const Camera given = report(CalibrationState::kConverged, 500.0).camera;
+  policy.accept(given, toCameraInfo(given)->info);
+  policy.update(givenUp(given, 1));
+  CalibrationReport own = report(CalibrationState::kConverged, 300.0);
+  own.starts_given_up = 1;
+  own.start_given_up = given;
+  policy.update(own);
+  EXPECT_EQ(policy.infoFor(std_msgs::Header(), 640, 480).P[0], 300.0);
+}
+
+TEST(CameraInfoPolicy, AnEventThatConvergedIsLeftSaysWhatGoesOut) {
+  CameraInfoPolicy policy{CameraInfoOptions()};
+  CalibrationReport now = report(CalibrationState::kConverged, 500.0);
+  now.handed_over = true;
+  policy.update(now);
+  Event left{EventType::kNoLongerConverged, 1, 1, "it is good to 1.6 px"};
+  EXPECT_EQ(withCameraInfo(left, policy.state()).sentence, left.sentence) << "nothing was kept";
+  now.state = CalibrationState::kConverging;
+  policy.update(now);
+  EXPECT_EQ(withCameraInfo(left, policy.state()).sentence,
+            "it is good to 1.6 px; camera_info goes on with the last good calibration");
+  const Event other{EventType::kLost, 1, 1, "lost"};
+  EXPECT_EQ(withCameraInfo(other, policy.state()).sentence, "lost");
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

@@ -135,6 +135,10 @@ TEST(CalibrationEntry, WordsOfTheEstimatorAreExplained) {
   EXPECT_EQ(event(EventType::kConverged),
             "CONVERGED at 12.500 s: It is so. (CONVERGED: the calibration is good enough for use, "
             "and camera_info is published.)");
+  EXPECT_EQ(
+      event(EventType::kNoLongerConverged),
+      "NO_LONGER_CONVERGED at 12.500 s: It is so. (NO_LONGER_CONVERGED: the calibration is not "
+      "good enough for use any more.)");
   EXPECT_EQ(event(EventType::kCalibrationChange),
             "CALIBRATION_CHANGE at 12.500 s: It is so. (CALIBRATION_CHANGE: the lens was bumped, "
             "refocused or zoomed.)");
@@ -158,8 +162,8 @@ TEST(QueueEntry, QueueAndEntropyAreExplained) {
       queue(20, "refused: entropy 3.12 (needed: 2.95, to replace the queue's worst segment)"),
       DiagnosticStatus::OK,
       "The calibration rests on 20 segments of video, the queue. The newest segment: Refused: "
-      "entropy 3.12 (needed: 2.95, to replace the queue's worst segment). The lower its entropy, "
-      "the more informative a segment is.");
+      "entropy 3.12 (needed: 2.95, to replace the queue's worst segment). Entropy: how uncertain "
+      "the lens would be by that segment alone; lower is better.");
 }
 
 TEST(TrackingEntry, AFrameThatIsMissingStandsBesideTheState) {

@@ -70,7 +70,7 @@ TEST(Messages, CalibrationHasASigmaForEachValue) {
   report.camera = Camera(CameraModel::kRadtan, 752, 480, values);
   report.lens_fit = {true, "pinhole", true, "radtan", {5.0, 12.0}, {4.0, 9.0}, 0.0};
   report.cross_validation = {true, 0.4, 0.5, 0.3};
-  report.observed = {0.8, {0.2, 0.3}, "the upper left corner was never seen", nullptr};
+  report.observed = {0.8, {0.2, 0.3}, "no feature reached the upper left corner", nullptr};
   Calibration message = toCalibration(report, TrackingState::kTracking, "Follows.");
   EXPECT_EQ(message.lens_fit,
             "pinhole misses the lens by 5.0 px rms, 12.0 px at worst (which the uncertainty "
@@ -83,7 +83,7 @@ TEST(Messages, CalibrationHasASigmaForEachValue) {
   EXPECT_EQ(message.cross_p_value, 0.3);
   EXPECT_EQ(message.observed_share, 0.8);
   EXPECT_EQ(message.pixel_uncertainty_observed, 0.2);
-  EXPECT_EQ(message.unseen_corners, "the upper left corner was never seen");
+  EXPECT_EQ(message.unseen_corners, "no feature reached the upper left corner");
   EXPECT_EQ(message.tracking_state, "TRACKING");
   EXPECT_EQ(message.calibration_state, Calibration::WAITING_FOR_MOTION);
   ASSERT_EQ(message.sigma.size(), 9u);
@@ -120,6 +120,14 @@ TEST(Messages, QueueAndEvent) {
   EXPECT_EQ(message.epoch, 2u);
   EXPECT_EQ(message.magnitude_px, 7.5);
   EXPECT_EQ(message.p_value, 1e-9);
+}
+
+TEST(Messages, ACalibrationThatIsNoLongerGood) {
+  const Event event{EventType::kNoLongerConverged, 6000000000, 6000000000, "Only to 1.6 px.", 3};
+  const CalibrationEvent message = toCalibrationEvent(event, 3);
+  EXPECT_EQ(message.type, CalibrationEvent::NO_LONGER_CONVERGED);
+  EXPECT_EQ(message.sentence, "Only to 1.6 px.");
+  EXPECT_EQ(message.epoch, 3u);
 }
 
 TEST(Messages, AMountThatChanged) {

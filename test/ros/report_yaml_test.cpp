@@ -12,7 +12,7 @@ TEST(ReportYaml, SaysWhatTheMessageSaysOfTheLensModel) {
   CalibrationReport report;
   EXPECT_FALSE(YAML::Load(toYaml(report, 0))["misfit_rms_px"]) << "not compared yet";
   report.lens_fit = {true, "pinhole", true, "radtan", {5.0, 12.0}, {4.0, 9.0}, 0.0};
-  report.observed.unseen_corners = "the upper left corner was never seen";
+  report.observed.unseen_corners = "no feature reached the upper left corner";
   const YAML::Node yaml = YAML::Load(toYaml(report, 0));
   EXPECT_EQ(yaml["lens_fit"].as<std::string>(), report.lens_fit.sentence());
   EXPECT_EQ(yaml["better_model"].as<std::string>(), "radtan");

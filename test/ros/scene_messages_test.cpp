@@ -103,7 +103,8 @@ TEST(SceneMessages, EventsAreWordsWhereTheyHappened) {
 TEST(SceneMessages, LabelsNeedNoManual) {
   for (const EventType type :
        {EventType::kCalibrationChange, EventType::kHandover, EventType::kConverged,
-        EventType::kLost, EventType::kRelocalized, EventType::kInput}) {
+        EventType::kLost, EventType::kRelocalized, EventType::kInput, EventType::kMountChanged,
+        EventType::kNoLongerConverged}) {
     Scene scene = makeScene();
     scene.add(Event{type, 1, 1, "what happened"});
     const std::string text = markerOf(scene, "events").text;

@@ -107,6 +107,14 @@ TEST(CalibrateBag, SummaryCountsTheRun) {
   EXPECT_LE(summary["pixel_uncertainty"]["rms"].as<double>(), 0.5);
   ASSERT_GE(summary["events"].size(), 2u);
   EXPECT_GT(summary["events"][0]["stamp"].as<double>(), 1.6e9);
+  const YAML::Node halves = summary["cross_validation"];
+  EXPECT_TRUE(halves["compared"].as<bool>());
+  EXPECT_GT(halves["expected_px"].as<double>(), 0.0);
+  EXPECT_LE(halves["p_value"].as<double>(), 1.0);
+  EXPECT_TRUE(summary["lens_fit"]["compared"].as<bool>());
+  EXPECT_TRUE(summary["lens_fit"]["refuted"].IsScalar());
+  EXPECT_LE(summary["lens_fit"]["misfit"]["rms"].as<double>(),
+            summary["pixel_uncertainty"]["rms"].as<double>());
   // A header line, then one row a keyframe; comment lines begin the trajectories.
   EXPECT_EQ(linesOf(converged().out("convergence.csv")), keyframes + 1);
   EXPECT_GT(linesOf(converged().out("trajectory.tum")), frames * 8 / 10);
@@ -122,6 +130,13 @@ TEST(CalibrateBag, WritesCalibrationsForOthers) {
   EXPECT_EQ(info.width, 320u);
   const YAML::Node cam0 = YAML::LoadFile(converged().out("camchain.yaml"))["cam0"];
   EXPECT_EQ(cam0["distortion_model"].as<std::string>(), "fov");
+}
+
+TEST(CalibrateBag, TheTableOfParametersSaysWhatASigmaContains) {
+  EXPECT_TRUE(mentions(converged().outcome, "(sigma: of noise and of segments that disagree"))
+      << converged().outcome.output;
+  EXPECT_NE(contents(converged().out("report.html")).find("The map does not contain what the lens"),
+            std::string::npos);
 }
 
 TEST(CalibrateBag, AnApproximationThatNobodyNoticesIsNotSaidOnTheTerminal) {
@@ -170,12 +185,14 @@ TEST(CalibrateBag, AuditsACalibration) {
   EXPECT_EQ(summary["likely_cause"].as<std::string>(), "focal_length");
   EXPECT_EQ(summary["tolerance_px"].as<double>(), 0.5);
   EXPECT_GT(summary["distance_px"].as<double>(), 1.0);
+  EXPECT_LT(summary["p_value"].as<double>(), 1e-3);
   const std::string page = contents(folder / "wrong/report.html");
   EXPECT_NE(page.find("Is the calibration in question still right?"), std::string::npos);
   EXPECT_EQ(contents(converged().out("report.html")).find("in question"), std::string::npos);
   const Outcome untold = audit(zoomed, " --duration 0.5", folder / "untold");
   EXPECT_EQ(untold.exit_code, 6) << untold.output;
   EXPECT_TRUE(mentions(untold, "audit: CANNOT_TELL")) << untold.output;
+  EXPECT_TRUE(YAML::LoadFile(folder / "untold/summary.json")["audit"]["p_value"].IsNull());
 }
 
 // But for the two values of summary.json that may differ.
@@ -351,6 +368,18 @@ TEST(CalibrateBag, AStillCameraDoesNotConverge) {
   EXPECT_TRUE(summary["camera"]["sigma"]["fx"].IsNull());
   EXPECT_TRUE(summary["pixel_uncertainty"]["rms"].IsNull());
   EXPECT_EQ(summary["frames"].as<int>(), 41);
+  const YAML::Node halves = summary["cross_validation"];
+  EXPECT_FALSE(halves["compared"].as<bool>());
+  for (const char* figure : {"cross_difference_px", "expected_px", "p_value"}) {
+    EXPECT_TRUE(halves[figure].IsNull()) << figure;
+  }
+  const YAML::Node fit = summary["lens_fit"];
+  EXPECT_FALSE(fit["compared"].as<bool>());
+  for (const YAML::Node& figure :
+       {fit["refuted"], fit["misfit"]["rms"], fit["misfit"]["max"], fit["misfit_observed"]["rms"],
+        fit["undescribed_share"], summary["observed"]["share"]}) {
+    EXPECT_TRUE(figure.IsNull()) << figure;
+  }
   EXPECT_FALSE(std::filesystem::exists(folder / "out/calibration.yaml"))
       << "an older file must not pass for the result";
   EXPECT_TRUE(summary["batch"].IsNull());

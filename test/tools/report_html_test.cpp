@@ -4,6 +4,9 @@
 
 #include <string>
 
+#include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/pixel_distance.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -33,6 +36,16 @@ RunDescription run() {
 
 std::string page(const RunDescription& description, const Recording& recording) {
   return reportHtml(description, recording, {}, {});
+}
+
+// With an estimate: sigmas of 0.5 px in the focal lengths and the principal point.
+Recording estimatedRecording() {
+  Recording recording = shortRecording();
+  CalibrationReport& report = recording.final_report;
+  report.covariance = IntrinsicsMatrix::Zero(5, 5);
+  report.covariance.diagonal() << 0.25, 0.25, 0.25, 0.25, 1e-6;
+  report.uncertainty = {0.6, 2.0};
+  return recording;
 }
 
 bool has(const std::string& text, const std::string& part) {
@@ -82,6 +95,41 @@ TEST(ReportHtml, WhatWasNotComputedHasNoSection) {
   EXPECT_TRUE(has(page(run(), recording), "Tracking was lost."));
   recording.reference = recording.final_report.camera;
   EXPECT_TRUE(has(page(run(), recording), ">Against the reference calibration<"));
+}
+
+TEST(ReportHtml, SaysWhatSigmasAndTheMapOfTheErrorLeaveOut) {
+  Recording recording = estimatedRecording();
+  EXPECT_TRUE(has(page(run(), recording), "It contains no misfit of the lens model"));
+  EXPECT_TRUE(has(page(run(), recording), "which is not known yet."));
+  LensFitReport& fit = recording.final_report.lens_fit;
+  fit.compared = true;
+  EXPECT_TRUE(has(page(run(), recording), "compared with richer lenses, that is nothing."));
+  fit.misfit = {0.42, 1.3};
+  EXPECT_TRUE(has(page(run(), recording),
+                  "compared with richer lenses 0.420 px rms over the image, 1.300 px at the worst "
+                  "place. Squares add: with it, the expected error is 0.600 px rms."));
+}
+
+// Its scale ends with the largest error.
+TEST(ReportHtml, TheMapOfTheErrorContainsWhatHalvesDisagree) {
+  Recording recording = estimatedRecording();
+  CalibrationReport& report = recording.final_report;
+  const double largest = pixelUncertainty(report.camera, report.covariance).max;
+  EXPECT_TRUE(has(page(run(), recording), formatted(">%.3g px<", largest)));
+  report.cross_validation = {true, 7.0, 1.0, 1e-6};
+  EXPECT_FALSE(has(page(run(), recording), formatted(">%.3g px<", largest)));
+  EXPECT_TRUE(has(page(run(), recording), formatted(">%.3g px<", 7.0 * largest)));
+}
+
+TEST(ReportHtml, SaysHowLikelyOtherLensModelsAre) {
+  Recording recording = shortRecording();
+  recording.final_report.models = {
+      {"fov", true, 0.0}, {"pinhole", false, 38.0}, {"radtan", false, INFINITY}};
+  const std::string text = page(run(), recording);
+  EXPECT_TRUE(has(text, ">Comparison of lens models<"));
+  EXPECT_TRUE(has(text, "10^17"));
+  EXPECT_TRUE(has(text, "cannot fit the video"));
+  EXPECT_FALSE(has(text, "nats"));
 }
 
 TEST(ReportHtml, ARunThatWasStoppedSaysSo) {

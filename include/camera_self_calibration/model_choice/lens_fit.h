@@ -53,6 +53,12 @@ struct LensFitOptions {
   double significance = 1e-3;
 };
 
+/// A lens in use.
+struct KnownCamera {
+  Camera camera;
+  IntrinsicsMatrix covariance;  ///< n_c x n_c; empty where nothing is known.
+};
+
 /// Holds the model in use against richer lenses (compareWithRicher), which are published nowhere,
 /// on the queue's segments; and where none of them refutes it, against a lens that no model
 /// describes (freeDisplacement). Compares at geometric intervals of keyframes (at most 100), and
@@ -68,13 +74,27 @@ class LensFit {
                                          const QueueSolution& solution, const SeenImage& image,
                                          int threads);
 
+  /// Compares on the startup batch, while there is no queue to do so on, at kSignificanceAlone; the
+  /// caller spaces it. A batch in a wrong minimum looks like a wrong model until it has grown out
+  /// of it: only what kStartsInARow comparisons find, each of a longer batch, is reported.
+  LensComparison compareStart(const Segment& batch, const KnownCamera& present,
+                              const ImageField& seeing, int threads);
+
   const LensFitReport& report() const { return report_; }
 
  private:
+  // Fills the report with the richer lens that refutes the present one most clearly, if its lead is
+  // no chance at this level. That probability, 1 where none is ahead.
+  double holdAgainstRicher(const LensComparison& comparison, const KnownCamera& present,
+                           const SeenImage& image, double significance, int threads);
+
+  static constexpr int kStartsInARow = 3;
+
   LensFitOptions options_;
   LensFitReport report_;
   std::vector<std::int64_t> compared_;  // sequences of the segments of the newest comparison
   std::int64_t next_ = 0;               // count of keyframes at which to compare
+  int starts_refuted_ = 0;              // comparisons of the startup batch in a row
 };
 
 }  // namespace camera_self_calibration

@@ -13,6 +13,10 @@
 
 namespace camera_self_calibration {
 
+/// Probability of so great a lead by chance, below which it counts where there is one segment of
+/// video only, which cannot show how far segments disagree.
+constexpr double kSignificanceAlone = 1e-4;
+
 /// What lenses are compared on: segments of video that share nothing but the lens.
 struct LensObservations {
   std::vector<Segment> segments;     ///< Solved and gated; at least one.

@@ -22,14 +22,14 @@ struct ModelEvidence {
   double behind = 0.0;
 };
 
+/// exp(nats), for people: how many times as likely something is; "0.14", "12", "10^17".
+std::string timesAsLikely(double nats);
+
 struct ModelChoiceOptions {
   /// Probability by chance of so much a worse fit, below which a model is refuted: a richer one may
   /// take over then. One that is too rich costs little and says what it costs, one that is too
   /// simple is wrong and does not: this is less strict than LensFitOptions::significance.
   double refuted = 0.01;
-  /// The same where there is one segment of video only, which cannot show how far segments
-  /// disagree.
-  double refuted_alone = 1e-4;
   /// Above which nothing speaks against a model: a simpler one takes over then, if it is expected
   /// to be nearer to the truth. Between both, what is in use stays.
   double plausible = 0.1;

@@ -11,10 +11,11 @@
 namespace camera_self_calibration {
 
 /// What the state says of the calibration. CONVERGED at or below `converged_rms` [px].
-HealthVerdict verdictOn(const BackEndState& state, double converged_rms);
+HealthVerdict verdictOn(const BackEndState& state, double converged_rms, CalibrationState before);
 
 /// For everybody: the sentence mentions the choice of the model, its fit and a drift, too.
-CalibrationReport reportOf(const BackEndState& state);
+/// `converged_rms` [px] as above.
+CalibrationReport reportOf(const BackEndState& state, double converged_rms);
 
 /// The estimate in use, for the front end. Until a restored queue is confirmed it has not handed
 /// over: the front end sends the whole history and ends no tracks for not fitting it.

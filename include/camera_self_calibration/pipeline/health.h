@@ -31,9 +31,11 @@ struct HealthEvidence {
   double blind_below_px = 0.0;   ///< CrossValidation::blindBelowPx.
   std::uint64_t epoch = 0;       ///< How often the lens changed so far.
   std::string obstacle;          ///< Why there was no hand-over yet, in words; may be empty.
-  /// The model in use misses the lens by more than its noise, and no other takes over by itself.
+  /// The model in use misses the lens: beyond chance before hand-over, by more than its noise after
+  /// it; and no other takes over by itself.
   bool model_misses = false;
-  std::string better_model;  ///< Describes the lens then; empty: none does.
+  std::string better_model;      ///< Describes the lens then; empty: none does.
+  bool model_was_given = false;  ///< Else it is chosen (`auto`).
 };
 
 /// State of the calibration with one plain sentence and the motion that would help.
@@ -44,8 +46,9 @@ struct HealthVerdict {
 };
 
 /// CONVERGED at or below the threshold, if both halves of the video tell enough of the lens to
-/// check each other. `was_converged`: left only when a limit is exceeded by half, so that the state
-/// does not flicker.
-HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera, bool was_converged);
+/// check each other. CONVERGED and DEGENERATE, if they are the state `before`, are left only when a
+/// limit is passed by half, so that the state does not flicker.
+HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
+                          CalibrationState before);
 
 }  // namespace camera_self_calibration

@@ -29,7 +29,8 @@ enum class EventType {
   kLost,
   kRelocalized,
   kInput,
-  kMountChanged
+  kMountChanged,
+  kNoLongerConverged
 };
 
 /// "TRACKING", "WAITING_FOR_MOTION", "HANDOVER", ...: the names used in messages and files.
@@ -104,10 +105,16 @@ struct ObservedReport {
 
 /// What is known of the intrinsics.
 struct CalibrationReport {
+  /// CONVERGED, and not merely kept so beyond a limit: what outlives the run asks for this.
+  bool isGoodNow() const { return state == CalibrationState::kConverged && !afresh; }
+
   std::int64_t stamp_ns = 0;  ///< Of the newest image that it rests on.
   CalibrationState state = CalibrationState::kWaitingForMotion;
   std::string sentence;  ///< The state in words.
   std::string hint;      ///< Which motion would help; empty if none is needed.
+  /// The verdict by the limits themselves, where CONVERGED is kept beyond one so that it does not
+  /// flicker.
+  std::optional<HealthVerdict> afresh;
   Camera camera;
   IntrinsicsMatrix covariance;  ///< n_c x n_c; empty until there is an estimate.
   /// Degrees of freedom of the disagreement between segments that the covariance was made larger
@@ -123,10 +130,12 @@ struct CalibrationReport {
   /// Of the newest test whether the lens is still the same; 1 where there was none.
   double change_p_value = 1.0;
   std::string last_change;  ///< What the last change of the lens was; empty if there was none.
-  std::int64_t last_change_ns = 0;  ///< When it began.
-  bool handed_over = false;         ///< From the startup batch to the queue.
-  bool frozen = false;              ///< Kept as it is on request.
-  std::int64_t keyframes = 0;       ///< Seen so far.
+  std::int64_t last_change_ns = 0;       ///< When it began.
+  bool handed_over = false;              ///< From the startup batch to the queue.
+  bool frozen = false;                   ///< Kept as it is on request.
+  std::uint64_t starts_given_up = 0;     ///< Start values so far that map after map was lost with.
+  std::optional<Camera> start_given_up;  ///< The newest of them.
+  std::int64_t keyframes = 0;            ///< Seen so far.
   QueueReport queue;
   ShutterReport shutter;
   CrossValidation cross_validation;

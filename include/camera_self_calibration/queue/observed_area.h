@@ -18,8 +18,8 @@ ImageField observedArea(const std::vector<Candidate>& queue, const Camera& camer
 /// How many observations of these segments lie in each part of the image.
 ImageWeights featureWeights(const std::vector<Candidate>& queue, const Camera& camera);
 
-/// Corners that see and that no feature ever reached, in words: "the upper left corner was never
-/// seen"; empty if there is none.
+/// Corners that see and that are not `observed`, in words; empty if there is none. Of the segments
+/// that the calibration rests on: what earlier images showed there no longer makes it better.
 std::string unseenCorners(const ImageField& observed, const ImageField& seeing);
 
 }  // namespace camera_self_calibration

@@ -60,6 +60,7 @@ class RigCalibrationNode {
   void restoreCamera(int camera, int width, int height);
   void onImage(int camera, InputImage image);
   void onReport(const RigReport& report);
+  void tellState(const RigReport& report);
   void publishPlaces(const RigReport& report);
   std::string frameOf(int camera) const;
   void raise(const Event& event, const std::string& who);
@@ -90,6 +91,7 @@ class RigCalibrationNode {
   std::uint64_t published_revision_ = 0;
   std::uint64_t saved_revision_ = 0;
   bool converged_ = false;
+  std::uint64_t converged_epoch_ = 0;
   bool closing_ = false;  // nothing is to be told any more
 
   std::atomic<bool> notes_told_{false};  // those of the stores

@@ -30,6 +30,9 @@ class RigCameraInfo {
   sensor_msgs::CameraInfo infoFor(int camera, const std_msgs::Header& header, int width,
                                   int height);
 
+  /// What goes out for a camera by itself.
+  CameraInfoState state(int camera) const { return policies_[camera]->state(); }
+
   /// In words what goes out for a camera.
   std::string stateText(int camera) const;
 

@@ -12,7 +12,8 @@
 namespace camera_self_calibration {
 
 /// A SelfCalibrator that can be begun anew (another image size, a reset): what it reports goes on
-/// counting, so that no map, revision or epoch of the new one bears the number of an old one.
+/// counting, so that no map, revision or epoch of the new one bears the number of an old one, and
+/// no start that is given up goes unnoticed.
 class CalibrationSession {
  public:
   /// `options` without an initial camera. The callbacks come from the calibrator's threads.
@@ -42,6 +43,7 @@ class CalibrationSession {
     std::uint64_t map_id = 0;
     std::uint64_t revision = 0;
     std::uint64_t epoch = 0;
+    std::uint64_t starts_given_up = 0;
   };
 
   Callbacks continued() const;

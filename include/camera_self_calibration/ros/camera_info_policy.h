@@ -34,10 +34,14 @@ struct CameraInfoState {
   std::string deviation;
 };
 
+/// The event as a node tells it: where CONVERGED is left, with what becomes of camera_info.
+Event withCameraInfo(Event event, const CameraInfoState& info);
+
 /// Decides which CameraInfo goes out: zeros until CONVERGED, and a new estimate only if it differs
 /// visibly, since every change makes consumers rebuild their rectification maps. When CONVERGED is
-/// left, the last good one stays until a reset or a change of the lens. Thread-safe, but for
-/// update() and inherit(), which must not overlap each other.
+/// left, the last good one stays until a reset or a change of the lens. One that did not come from
+/// the images ends where the calibrator gives it up as its start. Thread-safe, but for update() and
+/// inherit(), which must not overlap each other.
 class CameraInfoPolicy {
  public:
   /// A conversion that errs by more than this is worth a warning [px].
@@ -77,6 +81,9 @@ class CameraInfoPolicy {
   bool keeps(const CalibrationReport& report);
   bool lastGoodHolds(const CalibrationReport& report) const;
   void forgetLastGood();
+  std::string forgetRefuted(const CalibrationReport& report);
+  std::string follow(const CalibrationReport& report);
+  void withdraw();
   std::string publish(const Camera& camera, bool converged);
   std::string remedy(const Camera& camera) const;
   std::string judgement(const CalibrationReport& report) const;
@@ -87,6 +94,7 @@ class CameraInfoPolicy {
   std::optional<sensor_msgs::CameraInfo> fixed_;  // Its P and size hold.
   std::uint64_t inherited_epoch_ = 0;
   bool inherited_epoch_known_ = false;
+  std::uint64_t starts_given_up_ = 0;  // By the last report.
 
   mutable std::mutex mutex_;
   std::optional<Camera> camera_;  // Behind published_.

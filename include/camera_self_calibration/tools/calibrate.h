@@ -22,10 +22,15 @@ struct CalibrateExtras {
   std::function<bool()> stop;
 };
 
+/// A report as the verdict on a whole recording: CONVERGED only if it isGoodNow(), else as judged
+/// afresh.
+CalibrationReport atTheEnd(CalibrationReport report);
+
 /// Runs the inline pipeline over a sequence, with progress on a terminal. Images that
 /// InputMonitor rejects are left out with a warning on standard error. Throws std::runtime_error if
 /// images are there and none can be used, or the start values are for another image size, and
-/// std::invalid_argument on bad options. A run that was stopped has no batch.
+/// std::invalid_argument on bad options. A run that was stopped has no batch. Its final_report is
+/// atTheEnd().
 Recording calibrate(ImageSource* source, const Options& options,
                     const CalibrateExtras& extras = {});
 

@@ -34,9 +34,9 @@ struct Recording {
   std::int64_t end_ns = 0;
   double processing_seconds = 0.0;         ///< Wall time of the run, reading included [s].
   std::vector<TimedPose> poses;            ///< Of the images that were tracked.
-  std::vector<CalibrationReport> reports;  ///< One for each keyframe.
+  std::vector<CalibrationReport> reports;  ///< One for each keyframe, as it was at that time.
   std::vector<Event> events;
-  CalibrationReport final_report;  ///< After the last image.
+  CalibrationReport final_report;  ///< The verdict after the last image (atTheEnd()).
   /// The queue at the end, which the final report rests on; null before hand-over.
   std::shared_ptr<const LearntState> learnt;
 
@@ -56,7 +56,8 @@ void writeTrajectory(const std::vector<TimedPose>& poses, bool complete, const s
                      std::ostream& file);
 
 /// summary.json, the same for the same input but for the time that the run took,
-/// `processing_seconds` and `frames_per_second`. `extra` members come last.
+/// `processing_seconds` and `frames_per_second`. What is not known is null. `extra` members come
+/// last.
 Json summaryJson(const Recording& recording, const Json& extra = Json::object());
 
 /// Writes the files of calibrate_bag into an existing folder: summary.json (with the `extra`
