@@ -15,7 +15,7 @@ SelfCalibrator::~SelfCalibrator() = default;
 
 bool SelfCalibrator::process(const ImageView& image) {
   impl_->checkSource(true);
-  if (impl_->mode == Mode::kInline) {
+  if (impl_->mode != Mode::kThreaded) {
     impl_->processImage(image);
     return true;
   }
@@ -79,7 +79,8 @@ bool SelfCalibrator::setScale(double factor) {
 bool SelfCalibrator::isScaleFactor(double factor) { return factor >= 1e-6 && factor <= 1e6; }
 
 void SelfCalibrator::flush() {
-  if (impl_->mode == Mode::kInline) return;
+  impl_->deliverPending();
+  if (impl_->mode != Mode::kThreaded) return;
   impl_->images.waitUntilIdle();
   impl_->keyframes.waitUntilIdle();
 }

@@ -34,13 +34,12 @@ SelfCalibrator::Impl::Impl(const Options& given_options, Mode given_mode, Callba
       images(options.max_queued_images),
       keyframes(kMaxQueuedKeyframes) {
   if (mode == Mode::kInline) return;
+  back_thread = std::thread([this] {
+    while (auto work = keyframes.pop()) (*work)();
+  });
+  if (mode == Mode::kPipelined) return;
   front_thread = std::thread([this] {
     while (const auto image = images.pop()) guarded(image->stamp_ns, [&] { processImage(*image); });
-  });
-  back_thread = std::thread([this] {
-    while (const auto message = keyframes.pop()) {
-      guarded(message->candidate.endNs(), [&] { processKeyframe(*message); });
-    }
   });
 }
 
@@ -166,7 +165,7 @@ void SelfCalibrator::Impl::checkSource(bool takes_images) {
   const Source wanted = takes_images ? Source::kImages : Source::kTracks;
   Source before = Source::kNone;
   if (source.compare_exchange_strong(before, wanted) || before == wanted) return;
-  if (mode == Mode::kInline) return;
+  if (mode != Mode::kThreaded) return;
   throw std::logic_error("a threaded calibrator takes either images or tracks, not both");
 }
 
@@ -247,20 +246,40 @@ void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame, const ImageVi
     ++keyframes_of_map;
     if (callbacks.map) callbacks.map(mapView(output));
     output.keyframe->beginning = beginning;
-    if (mode == Mode::kInline) {
-      processKeyframe(*output.keyframe);
-    } else {
-      keyframes.push(std::move(*output.keyframe));
-    }
+    handOn(std::move(*output.keyframe));
   }
   output.result.processing_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   if (callbacks.frame) callbacks.frame(output.result);
 }
 
-void SelfCalibrator::Impl::processKeyframe(const KeyframeMessage& message) {
+void SelfCalibrator::Impl::handOn(KeyframeMessage message) {
+  if (mode == Mode::kThreaded) {
+    keyframes.push(Work([this, message = std::move(message)]() -> std::optional<Processed> {
+      guarded(message.candidate.endNs(), [&] {
+        if (callbacks.keyframe) callbacks.keyframe(message);
+        deliver(processKeyframe(message));
+      });
+      return std::nullopt;
+    }));
+    return;
+  }
+  deliverPending();
+  if (callbacks.keyframe) callbacks.keyframe(message);
+  if (mode == Mode::kInline) {
+    deliver(processKeyframe(message));
+    return;
+  }
+  Work work([this, message = std::move(message)] { return processKeyframe(message); });
+  pending = work.get_future();
+  keyframes.push(std::move(work));
+}
+
+// Nothing where the keyframe is from before a reset.
+std::optional<SelfCalibrator::Impl::Processed> SelfCalibrator::Impl::processKeyframe(
+    const KeyframeMessage& message) {
   const std::uint64_t number = message.beginning->number;
-  if (number < back_end_beginning) return;  // from before a reset
+  if (number < back_end_beginning) return std::nullopt;
   if (number > back_end_beginning) {
     if (back_end) {
       back_end->beginAgain(*message.beginning);
@@ -269,15 +288,21 @@ void SelfCalibrator::Impl::processKeyframe(const KeyframeMessage& message) {
     }
     back_end_beginning = number;
   }
-  if (callbacks.keyframe) callbacks.keyframe(message);
-  BackEndOutput output = back_end->process(message, frozen);
+  Processed processed{number, back_end->process(message, frozen), nullptr};
+  if (processed.output.update) processed.learnt = back_end->state();
+  return processed;
+}
+
+void SelfCalibrator::Impl::deliver(std::optional<Processed> processed) {
+  if (!processed) return;
+  BackEndOutput& output = processed->output;
   {
     std::lock_guard<std::mutex> lock(mutex);
-    if (number != newest_beginning) return;  // a reset came meanwhile
+    if (processed->beginning != newest_beginning) return;  // a reset came meanwhile
     if (output.update) {
-      output.update->beginning = number;
+      output.update->beginning = processed->beginning;
       update = std::move(output.update);
-      learnt = back_end->state();
+      learnt = std::move(processed->learnt);
     }
     noteStartsGivenUp(&output.report);
     report = output.report;
@@ -285,6 +310,10 @@ void SelfCalibrator::Impl::processKeyframe(const KeyframeMessage& message) {
   // The report first, so that an event finds the epoch that it speaks of.
   if (callbacks.calibration) callbacks.calibration(output.report);
   for (const Event& event : output.events) raise(event);
+}
+
+void SelfCalibrator::Impl::deliverPending() {
+  if (pending.valid()) deliver(pending.get());
 }
 
 }  // namespace camera_self_calibration

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -30,7 +31,18 @@ struct SelfCalibrator::Impl {
                     const std::function<std::vector<Track>()>& detect,
                     const Describe& describe_tracks, std::chrono::steady_clock::time_point begin);
   MapView mapView(const FrontEndOutput& output) const;
-  void processKeyframe(const KeyframeMessage& message);
+  void handOn(KeyframeMessage message);
+  /// What the back end made of a keyframe.
+  struct Processed {
+    std::uint64_t beginning = 0;  // Beginning::number
+    BackEndOutput output;
+    std::shared_ptr<const LearntState> learnt;
+  };
+  /// For thread 2.
+  using Work = std::packaged_task<std::optional<Processed>()>;
+  std::optional<Processed> processKeyframe(const KeyframeMessage& message);
+  void deliver(std::optional<Processed> processed);
+  void deliverPending();
   void guarded(std::int64_t stamp_ns, const std::function<void()>& work) noexcept;
   void reportFailure(std::int64_t stamp_ns, const char* what) noexcept;
   bool accept(const TrackedFrame& frame);
@@ -78,7 +90,8 @@ struct SelfCalibrator::Impl {
   std::optional<Camera> start_given_up;  // the newest
   std::shared_ptr<const LearntState> learnt;
   BoundedQueue<ImageView> images;
-  BoundedQueue<KeyframeMessage> keyframes;
+  BoundedQueue<Work> keyframes;
+  std::future<std::optional<Processed>> pending;  // pipelined: of the newest keyframe
   std::atomic<std::int64_t> dropped{0};
   std::thread front_thread;
   std::thread back_thread;

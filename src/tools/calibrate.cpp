@@ -123,7 +123,7 @@ std::unique_ptr<SelfCalibrator> heldRun(const Options& options, const Camera& re
     addPose(result, &recording->reference_poses);
   };
   return std::make_unique<SelfCalibrator>(options.withHeld(reference),
-                                          SelfCalibrator::Mode::kInline, callbacks);
+                                          SelfCalibrator::Mode::kPipelined, callbacks);
 }
 
 void checkSize(const std::optional<Camera>& camera, const char* what, const ImageView& first) {
@@ -156,7 +156,7 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   if (extras.batch) watch(options, &batch, &view, &callbacks);
   ExampleFinder example;
   if (extras.example) findExample(&example, &view, recording, &callbacks);
-  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, callbacks);
+  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kPipelined, callbacks);
   std::unique_ptr<SelfCalibrator> held;
   if (extras.reference) held = heldRun(options, *extras.reference, &recording);
   Progress progress(source->count);

@@ -60,9 +60,12 @@ struct TrackRunOptions {
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> warp = nullptr;
   /// If given, the camera at a time since the start [s].
   std::function<Camera(double)> lens = nullptr;
+  SelfCalibrator::Mode mode = SelfCalibrator::Mode::kInline;
+  /// If given, what hears the calibrator, given what records it.
+  std::function<Callbacks(const Callbacks& record)> listen = nullptr;
 };
 
-/// A calibrator, inline, fed with simulated feature tracks: the whole system but the images.
+/// A calibrator fed with simulated feature tracks: the whole system but the images.
 class TrackRun {
  public:
   TrackRun(const Camera& truth, const Options& options, const TrackRunOptions& run)
@@ -72,7 +75,8 @@ class TrackRun {
         jitter_(mixSeed(run.seed, 77)),
         tracks_(makeRoom(RoomOptions()), Lens{truth, std::nullopt, 1.0, run.lens}, motionOf(run),
                 tracksOf(run, truth)),
-        calibrator_(options, SelfCalibrator::Mode::kInline, record.callbacks()) {}
+        calibrator_(options, run.mode,
+                    run.listen ? run.listen(record.callbacks()) : record.callbacks()) {}
 
   /// Advances by so many frames.
   void run(int frames) {

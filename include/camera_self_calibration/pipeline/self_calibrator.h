@@ -40,7 +40,11 @@ struct Callbacks {
 class SelfCalibrator {
  public:
   enum class Mode {
-    kInline,   ///< process() returns when everything is computed: same input, same output.
+    kInline,  ///< process() returns when everything is computed: same input, same output.
+    /// process() returns when the image is located. The back end works on its keyframe meanwhile,
+    /// in a second thread; what it finds counts from the image after the next keyframe: same input,
+    /// same output. All callbacks come from within process() and flush().
+    kPipelined,
     kThreaded  ///< process() enqueues; two threads work; live images may be dropped.
   };
 
@@ -92,7 +96,7 @@ class SelfCalibrator {
   /// From 1e-6 to 1e6, so that lengths stay numbers that can be computed with.
   static bool isScaleFactor(double factor);
 
-  /// Threaded: waits until all enqueued images and keyframes are processed.
+  /// Waits until all images and keyframes are processed.
   void flush();
 
   /// The newest report (any thread).
