@@ -257,29 +257,39 @@ void SelfCalibrator::Impl::handOn(KeyframeMessage message) {
   if (mode == Mode::kThreaded) {
     keyframes.push(Work([this, message = std::move(message)]() -> std::optional<Processed> {
       guarded(message.candidate.endNs(), [&] {
-        if (callbacks.keyframe) callbacks.keyframe(message);
-        deliver(processKeyframe(message));
+        announce(message);
+        deliver(processKeyframe(message, frozen));
       });
       return std::nullopt;
     }));
     return;
   }
   deliverPending();
-  if (callbacks.keyframe) callbacks.keyframe(message);
-  if (mode == Mode::kInline) {
-    deliver(processKeyframe(message));
-    return;
-  }
-  Work work([this, message = std::move(message)] { return processKeyframe(message); });
+  announce(message);
+  Work work([this, held = frozen.load(), message = std::move(message)] {
+    return processKeyframe(message, held);
+  });
   pending = work.get_future();
-  keyframes.push(std::move(work));
+  if (mode == Mode::kPipelined) {
+    keyframes.push(std::move(work));
+  } else {
+    work();
+    deliverPending();
+  }
 }
 
-// Nothing where the keyframe is from before a reset.
+bool SelfCalibrator::Impl::isOutdated(const KeyframeMessage& message) const {
+  return message.beginning->number < back_end_beginning;
+}
+
+void SelfCalibrator::Impl::announce(const KeyframeMessage& message) const {
+  if (callbacks.keyframe && !isOutdated(message)) callbacks.keyframe(message);
+}
+
 std::optional<SelfCalibrator::Impl::Processed> SelfCalibrator::Impl::processKeyframe(
-    const KeyframeMessage& message) {
+    const KeyframeMessage& message, bool held) {
+  if (isOutdated(message)) return std::nullopt;
   const std::uint64_t number = message.beginning->number;
-  if (number < back_end_beginning) return std::nullopt;
   if (number > back_end_beginning) {
     if (back_end) {
       back_end->beginAgain(*message.beginning);
@@ -288,7 +298,7 @@ std::optional<SelfCalibrator::Impl::Processed> SelfCalibrator::Impl::processKeyf
     }
     back_end_beginning = number;
   }
-  Processed processed{number, back_end->process(message, frozen), nullptr};
+  Processed processed{number, back_end->process(message, held), nullptr};
   if (processed.output.update) processed.learnt = back_end->state();
   return processed;
 }

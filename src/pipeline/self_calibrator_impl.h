@@ -31,16 +31,20 @@ struct SelfCalibrator::Impl {
                     const std::function<std::vector<Track>()>& detect,
                     const Describe& describe_tracks, std::chrono::steady_clock::time_point begin);
   MapView mapView(const FrontEndOutput& output) const;
-  void handOn(KeyframeMessage message);
   /// What the back end made of a keyframe.
   struct Processed {
     std::uint64_t beginning = 0;  // Beginning::number
     BackEndOutput output;
     std::shared_ptr<const LearntState> learnt;
   };
-  /// For thread 2.
+  /// What thread 2 does with a keyframe.
   using Work = std::packaged_task<std::optional<Processed>()>;
-  std::optional<Processed> processKeyframe(const KeyframeMessage& message);
+
+  void handOn(KeyframeMessage message);
+  bool isOutdated(const KeyframeMessage& message) const;  // from before a reset
+  void announce(const KeyframeMessage& message) const;
+  /// Nothing where the keyframe is outdated; `held`: the calibration stays as it is.
+  std::optional<Processed> processKeyframe(const KeyframeMessage& message, bool held);
   void deliver(std::optional<Processed> processed);
   void deliverPending();
   void guarded(std::int64_t stamp_ns, const std::function<void()>& work) noexcept;
@@ -91,7 +95,7 @@ struct SelfCalibrator::Impl {
   std::shared_ptr<const LearntState> learnt;
   BoundedQueue<ImageView> images;
   BoundedQueue<Work> keyframes;
-  std::future<std::optional<Processed>> pending;  // pipelined: of the newest keyframe
+  std::future<std::optional<Processed>> pending;  // inline and pipelined: of the newest keyframe
   std::atomic<std::int64_t> dropped{0};
   std::thread front_thread;
   std::thread back_thread;

@@ -96,7 +96,8 @@ class SelfCalibrator {
   /// From 1e-6 to 1e6, so that lengths stay numbers that can be computed with.
   static bool isScaleFactor(double factor);
 
-  /// Waits until all images and keyframes are processed.
+  /// Waits until all images and keyframes are processed. Pipelined, it is for the thread that calls
+  /// process() alone.
   void flush();
 
   /// The newest report (any thread).
