@@ -189,7 +189,7 @@ Outcome calibrate(const std::filesystem::path& bag, const Sequence& sequence) {
   Options options;
   const std::optional<CameraModel> model = cameraModelFromString(sequence.model);
   options.model = model;
-  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kInline, {});
+  SelfCalibrator calibrator(options, SelfCalibrator::Mode::kPipelined, {});
   int images = 0;
   const auto begin = std::chrono::steady_clock::now();
   while (const auto image = source.next()) {
@@ -197,6 +197,7 @@ Outcome calibrate(const std::filesystem::path& bag, const Sequence& sequence) {
     calibrator.process(*image->view);
     ++images;
   }
+  calibrator.flush();
   const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
   Outcome outcome;
   outcome.report = calibrator.calibration();
