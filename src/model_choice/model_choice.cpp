@@ -135,9 +135,12 @@ std::optional<LensTrial> simplerThan(const LensTrial& present, const LensKnowled
 
 std::string timesAsLikely(double nats) {
   constexpr double kReadable = 1000.0;
-  if (std::abs(nats) >= std::log(kReadable)) {
-    return formatted("10^%.0f", nats / std::log(10.0));
+  constexpr int kBeyondDoubt = 20;  // power of ten; the tracks are not as independent as that
+  const double power = nats / std::log(10.0);
+  if (std::abs(power) > kBeyondDoubt) {
+    return formatted(power > 0.0 ? "more than 10^%d" : "less than 10^-%d", kBeyondDoubt);
   }
+  if (std::abs(nats) >= std::log(kReadable)) return formatted("10^%.0f", power);
   const double times = std::exp(nats);
   return formatted(times < 9.5 ? "%.2g" : "%.0f", times);
 }

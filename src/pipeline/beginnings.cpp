@@ -15,6 +15,7 @@ StartupOptions startupOptions(const Options& options) {
   StartupOptions startup;
   startup.max_keyframes = options.startup_keyframes;
   startup.choose_model = !options.model;
+  startup.threads = options.solver_threads;
   return startup;
 }
 

@@ -1,15 +1,19 @@
 #include "camera_self_calibration/pipeline/shutter.h"
 
+#include <algorithm>
 #include <cstdlib>
 
+#include "camera_self_calibration/base/parallel.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
 namespace {
 
-// Keyframes more in the startup batch, after which it is asked again: another line delay means that
-// all segments are evaluated anew.
+// Keyframes more in the startup batch, and their share of all, after which it is asked again:
+// another line delay means that all segments are evaluated anew, and what is known of it can have
+// gained half that share.
 constexpr int kKeyframesBetween = 3;
+constexpr double kWorthAsking = 0.1;
 // Changes of the queue, likewise.
 constexpr int kTakenBetween = 5;
 
@@ -34,6 +38,7 @@ Shutter::Shutter(const Options& options, int rows)
     : learns_(options.estimate_readout),
       given_readout_s_(options.readout_s),
       row_steps_(rowSteps(rows)),
+      threads_(options.solver_threads),
       line_delay_(given_readout_s_ / row_steps_, row_steps_) {}
 
 KeyframeMessage Shutter::freed(const KeyframeMessage& message, const Camera& camera,
@@ -54,9 +59,9 @@ Candidate Shutter::freed(const Candidate& candidate, const Camera& camera) const
 
 std::vector<Candidate> Shutter::freed(const std::vector<Candidate>& candidates,
                                       const Camera& camera) const {
-  std::vector<Candidate> result;
-  result.reserve(candidates.size());
-  for (const Candidate& candidate : candidates) result.push_back(freed(candidate, camera));
+  std::vector<Candidate> result(candidates.size());
+  parallelFor(threads_, static_cast<int>(candidates.size()),
+              [&](int i) { result[i] = freed(candidates[i], camera); });
   return result;
 }
 
@@ -64,7 +69,8 @@ bool Shutter::ask(const Startup& startup) {
   if (!learns_) return false;
   const int keyframes = startup.keyframesAdded();
   const bool known = line_delay_.estimate().usable;
-  if (known && std::abs(keyframes - keyframes_) < kKeyframesBetween) return false;
+  const int between = std::max(kKeyframesBetween, static_cast<int>(kWorthAsking * keyframes));
+  if (known && std::abs(keyframes - keyframes_) < between) return false;
   keyframes_ = keyframes;
   return line_delay_.take(startup.lineDelay());
 }

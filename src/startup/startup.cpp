@@ -1,17 +1,18 @@
 #include "camera_self_calibration/startup/startup.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
 
+#include "camera_self_calibration/base/parallel.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/rigid_gate.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 #include "camera_self_calibration/map/segment_edit.h"
-#include "camera_self_calibration/queue/segment_fit.h"
 #include "camera_self_calibration/queue/weak_directions.h"
 
 namespace camera_self_calibration {
@@ -20,8 +21,8 @@ namespace {
 // Other guesses are tried after so many keyframes, and again each time there are 3/2 as many.
 constexpr int kFirstRetry = 6;
 constexpr int kNewBatchKeyframes = 12;  // at most, where one begins again
-// A full batch is solved again when this share more keyframes came: its uncertainty can then be by
-// half that share smaller.
+// A full batch is solved again, and k3 tried again, when this share more keyframes came: the
+// uncertainty can then be by half that share smaller.
 constexpr double kWorthASolve = 0.1;
 constexpr int kMostNew = 3;                         // or when so great a part of it is new
 const double kHalfTheInformation = std::sqrt(2.0);  // in sigmas
@@ -80,7 +81,7 @@ void Startup::reset(const Camera& initial) {
   told_ = false;
   ran_away_ = false;
   added_ = 0;
-  next_solve_ = 0;
+  next_solve_ = next_k3_ = 0;
   next_retry_ = kFirstRetry;
   next_guess_ = 0;
   best_guess_.reset();
@@ -102,6 +103,7 @@ void Startup::goOnWith(const Camera& camera) {
       camera.model() != trusted_.model() || camera.estimatedCount() != trusted_.estimatedCount();
   camera_ = camera;
   if (!other) return;
+  next_k3_ = 0;
   next_.reset();
   best_.reset();
   finished_.reset();
@@ -175,7 +177,7 @@ void Startup::add(const Segment& history) {
 // A lost map is no reason to forget the lens.
 void Startup::beginBatch(const Segment& history) {
   finishBatch();
-  next_solve_ = 0;
+  next_solve_ = next_k3_ = 0;
   next_retry_ = kFirstRetry;
   next_guess_ = 0;
   best_guess_.reset();
@@ -194,7 +196,7 @@ void Startup::beginBatch(const Segment& history) {
 // With what is known of the lens from before, and from few keyframes: bounded time.
 void Startup::beginAgain(const Segment& history) {
   added_ += countAfter(segment_.keyframes.back().id, history);
-  next_solve_ = 0;
+  next_solve_ = next_k3_ = 0;
   camera_ = next_ ? next_->camera : trusted_;
   options_.growth.prior = next_ ? next_->prior : vaguePrior(camera_);
   segment_ = connectedToNewest(newestKeyframes(history, kNewBatchKeyframes));
@@ -323,21 +325,32 @@ void Startup::considerK3(const Segment& gated) {
       static_cast<int>(gated.keyframes.size()) < kFirstRetry) {
     return;
   }
+  if (added_ < next_k3_) return;
   if (promisedByK3(gated, camera_) < kWorthAFit * options_.k3_likelihood_ratio) return;
-  const SegmentFitOptions options = comparableFits();
-  Segment without_segment = gated;
-  Camera without_camera = camera_;
-  const SegmentFit without = fitSegment(options, &without_segment, &without_camera);
-  Camera camera = camera_;
-  camera.setEstimateK3(true);
-  Segment with_segment = gated;
-  const SegmentFit with = fitSegment(options, &with_segment, &camera);
-  if (!without.usable || !with.usable || !camera.valid()) return;
-  const double ratio = 2.0 * (without.marginal.cost - with.marginal.cost) /
-                       std::max(1.0, without.marginal.designEffect());
-  if (ratio < options_.k3_likelihood_ratio) return;
-  camera_ = camera;
-  setInformation(with.marginal);
+  next_k3_ = added_ + static_cast<int>(std::ceil(kWorthASolve * added_));
+  std::array<ComparedFit, 2> fits = {ComparedFit{gated, camera_, {}},
+                                     ComparedFit{gated, camera_, {}}};
+  ComparedFit& with = fits.back();
+  with.camera.setEstimateK3(true);
+  parallelFor(options_.threads, 2, [&fits](int i) { fits[i].solve(); });
+  if (!with.fit.usable || !with.camera.valid()) return;
+  if (!demandsK3(fits.front(), with)) return;
+  // The other fit may only have stopped earlier on the way to the same minimum.
+  const int fewer = Camera::parameterCount(CameraModel::kRadtan);
+  ComparedFit without{with.segment,
+                      Camera(with.camera.model(), with.camera.width(), with.camera.height(),
+                             with.camera.parameters().head(fewer)),
+                      {}};
+  without.solve();
+  if (!demandsK3(without, with)) return;
+  camera_ = with.camera;
+  setInformation(with.fit.marginal);
+}
+
+bool Startup::demandsK3(const ComparedFit& without, const ComparedFit& with) const {
+  const double ratio = 2.0 * (without.fit.marginal.cost - with.fit.marginal.cost) /
+                       std::max(1.0, without.fit.marginal.designEffect());
+  return without.fit.usable && ratio >= options_.k3_likelihood_ratio;
 }
 
 }  // namespace camera_self_calibration

@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "camera_self_calibration/base/parallel.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
@@ -55,26 +56,34 @@ std::vector<Camera> otherGuesses(const Camera& initial, bool choose_model) {
 // bounded.
 void Startup::tryOtherGuesses() {
   const std::vector<Camera> guesses = otherGuesses(initial_, options_.choose_model);
-  int grown = 0;
-  for (; grown < kRetryBudget && next_guess_ < guesses.size(); ++next_guess_) {
-    const Trial trial = tryGuess(guesses[next_guess_]);
-    grown += static_cast<int>(trial.segment.keyframes.size());
+  const std::size_t count = std::min<std::size_t>(guesses.size() - next_guess_,
+                                                  1 + (kRetryBudget - 1) / comparedKeyframes());
+  std::vector<Trial> trials(count);
+  parallelFor(options_.threads, static_cast<int>(count),
+              [&](int i) { trials[i] = tryGuess(guesses[next_guess_ + i]); });
+  for (std::size_t i = 0; i < count; ++i) {
+    const Trial& trial = trials[i];
     const double cost = trial.cost / static_cast<double>(trial.segment.observations.size());
     if (!trial.better || (best_guess_ && best_guess_->cost <= cost)) continue;
-    best_guess_ = Guess{guesses[next_guess_], cost};
+    best_guess_ = Guess{guesses[next_guess_ + i], cost};
   }
-  if (next_guess_ < guesses.size() || (best_guess_ && grown > 0)) return;
+  next_guess_ += count;
+  if (next_guess_ < guesses.size() || (best_guess_ && count > 0)) return;
   next_guess_ = 0;
   next_retry_ = next_retry_ * 3 / 2;
   if (best_guess_) adopt(tryGuess(best_guess_->camera));
   best_guess_.reset();
 }
 
-// Compared over the first keyframes, whatever the length of the batch.
-Startup::Trial Startup::tryGuess(const Camera& guess) const {
+// The first ones, whatever the length of the batch.
+int Startup::comparedKeyframes() const {
   const int all = static_cast<int>(segment_.keyframes.size());
+  return std::clamp(all, 1, kComparedKeyframes);
+}
+
+Startup::Trial Startup::tryGuess(const Camera& guess) const {
   Trial trial;
-  trial.segment = prefixOf(segment_, std::min(kComparedKeyframes, all), 1, &trial.landmark_index);
+  trial.segment = prefixOf(segment_, comparedKeyframes(), 1, &trial.landmark_index);
   const double present =
       usable_ ? robustCost(freeBlock(&trial.segment, camera_), camera_, kHuberThreshold)
               : std::numeric_limits<double>::infinity();

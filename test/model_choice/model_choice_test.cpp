@@ -119,6 +119,8 @@ TEST(ModelChoice, SaysHowManyTimesAsLikelyInNumbersThatCanBeRead) {
   EXPECT_EQ(timesAsLikely(38.0), "10^17");
   EXPECT_EQ(timesAsLikely(-2.0), "0.14");
   EXPECT_EQ(timesAsLikely(-38.0), "10^-17");
+  EXPECT_EQ(timesAsLikely(21000.0), "more than 10^20");
+  EXPECT_EQ(timesAsLikely(-21000.0), "less than 10^-20");
 }
 
 TEST(ModelChoice, FindsDistortionThatTheModelLacks) {

@@ -22,7 +22,8 @@ struct ModelEvidence {
   double behind = 0.0;
 };
 
-/// exp(nats), for people: how many times as likely something is; "0.14", "12", "10^17".
+/// exp(nats), for people: how many times as likely something is; "0.14", "12", "10^17", "more than
+/// 10^20".
 std::string timesAsLikely(double nats);
 
 struct ModelChoiceOptions {

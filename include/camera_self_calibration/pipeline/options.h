@@ -46,7 +46,7 @@ struct Options {
   double false_alarms_per_hour = 0.1;
   /// Keyframes remembered at most to recognise a map that was lost; 0: it is never sought.
   int relocalization_keyframes = 100;
-  int solver_threads = 1;     ///< For the segments of a joint solve; result independent.
+  int solver_threads = 1;     ///< That share the fits of the back end; result independent.
   int max_queued_images = 2;  ///< Live: images waiting before the oldest is dropped.
 
   /// Of the first estimate.

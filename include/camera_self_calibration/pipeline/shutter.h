@@ -54,6 +54,7 @@ class Shutter {
   bool learns_;             // else the readout time was given
   double given_readout_s_;  // that, or where learning starts
   int row_steps_;           // times between rows that an image has
+  int threads_;
   LineDelay line_delay_;
   int keyframes_ = 0;  // of the startup batch, when it was asked last
   int taken_ = 0;      // by the queue since it was asked last

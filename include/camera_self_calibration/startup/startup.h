@@ -9,6 +9,7 @@
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/map/segment.h"
 #include "camera_self_calibration/queue/line_delay.h"
+#include "camera_self_calibration/queue/segment_fit.h"
 #include "camera_self_calibration/startup/growth.h"
 #include "camera_self_calibration/startup/keyframe_choice.h"
 
@@ -26,6 +27,7 @@ struct StartupOptions {
   bool choose_model = false;
   /// rms uncertainty over image width above which an estimate tells nothing of the lens.
   double useless_uncertainty_share = kUselessUncertaintyShare;
+  int threads = 1;  ///< For fits that are compared with each other; result independent.
 };
 
 /// The batch solution from no knowledge (section II-C): keyframes chosen for information,
@@ -128,11 +130,20 @@ class Startup {
     double cost = 0.0;
     bool better = false;  // than the present solution
   };
+  // Of the same observations under one of several lenses.
+  struct ComparedFit {
+    Segment segment;
+    Camera camera;
+    SegmentFit fit;
+
+    void solve() { fit = fitSegment(comparableFits(), &segment, &camera); }
+  };
 
   void beginBatch(const Segment& history);
   void beginAgain(const Segment& history);
   void extend(const Segment& history);
   void tryOtherGuesses();
+  int comparedKeyframes() const;
   Trial tryGuess(const Camera& guess) const;
   void adopt(const Trial& trial);
   void adoptSolved(const Segment& solved);
@@ -141,6 +152,7 @@ class Startup {
   void setInformation(const Marginal& marginal);
   void setInformation(const IntrinsicsMatrix& information);
   void considerK3(const Segment& gated);
+  bool demandsK3(const ComparedFit& without, const ComparedFit& with) const;
   void noteBest();
   void finishBatch();
 
@@ -161,6 +173,7 @@ class Startup {
   bool ran_away_ = false;       // at the last keyframe that could be judged
   int added_ = 0;               // keyframes
   int next_solve_ = 0;          // count of keyframes at which a full batch is solved next
+  int next_k3_ = 0;             // and at which k3 is tried again
   int next_retry_ = 0;          // count of keyframes at which other guesses are tried next
   std::size_t next_guess_ = 0;  // of them
   std::optional<Guess> best_guess_;
