@@ -116,7 +116,7 @@ void DogLeg::gather() {
   const Intrinsics& parameters = problem_.camera->parameters();
   cost_ = problem_.prior.cost(parameters, count_);
   gradient_.head(count_) = problem_.prior.gradient(parameters, count_);
-  scale_.head(count_) = problem_.prior.weights(count_);
+  scale_.head(count_) = problem_.prior.information(parameters, count_).diagonal();
   for (int i = 0; i < blocks_; ++i) {
     const LinearSegment& linear = linear_[i];
     cost_ += linear.cost();
@@ -133,8 +133,9 @@ void DogLeg::gather() {
 // The intrinsics' part of the Gauss-Newton step.
 bool DogLeg::reduce() {
   if (count_ == 0) return true;
-  Eigen::MatrixXd reduced = problem_.prior.weights(count_).asDiagonal();
-  Eigen::VectorXd right = problem_.prior.gradient(problem_.camera->parameters(), count_);
+  const Intrinsics& parameters = problem_.camera->parameters();
+  Eigen::MatrixXd reduced = problem_.prior.information(parameters, count_);
+  Eigen::VectorXd right = problem_.prior.gradient(parameters, count_);
   for (int i = 0; i < blocks_; ++i) {
     reduced += linear_[i].reducedHessian();
     right += linear_[i].reducedGradient();
@@ -172,7 +173,9 @@ bool DogLeg::makePath() {
 }
 
 double DogLeg::curvature(const Eigen::VectorXd& step) const {
-  double sum = step.head(count_).cwiseAbs2().dot(problem_.prior.weights(count_));
+  const Intrinsics intrinsics = step.head(count_);
+  double sum = intrinsics.dot(problem_.prior.information(problem_.camera->parameters(), count_) *
+                              intrinsics);
   for (int i = 0; i < blocks_; ++i) {
     sum += linear_[i].curvature(ownPart(i, &step), step.head(count_));
   }

@@ -47,7 +47,7 @@ class Profile {
       linear_[i].eliminate(0.0);
     });
     ProfilePoint point;
-    Eigen::MatrixXd information = prior_.weights(count).asDiagonal();
+    Eigen::MatrixXd information = prior_.information(camera_.parameters(), count);
     Eigen::VectorXd gradient = prior_.gradient(camera_.parameters(), count);
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
       point.cost += linear_[i].reducedCost();

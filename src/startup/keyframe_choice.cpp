@@ -47,7 +47,7 @@ int leastInformative(const KeyframeChoiceOptions& options, const Segment& segmen
     linear.linearize(freeBlock(&rest, camera), camera, camera.estimatedCount(), kHuberThreshold);
     linear.eliminate(0.0);
     IntrinsicsMatrix information = linear.reducedHessian();
-    information.diagonal() += prior.weights(camera.estimatedCount());
+    information += prior.information(camera.parameters(), camera.estimatedCount());
     const double determinant =
         Eigen::LDLT<Eigen::MatrixXd>(information).vectorD().array().max(1e-300).log().sum();
     if (!(determinant > most)) continue;

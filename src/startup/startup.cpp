@@ -62,6 +62,7 @@ IntrinsicsPrior vaguePrior(const Camera& about) {
   prior.sigma.head<2>().fill(0.7 * width);
   prior.sigma.segment<2>(2).fill(0.2 * width);
   if (about.model() == CameraModel::kRadtan) prior.sigma.segment<2>(6).fill(0.1);
+  prior.aspect_sigma = 0.2;  // square, as analog video (1.09), as anamorphic lenses (1.33)
   return prior;
 }
 

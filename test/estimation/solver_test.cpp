@@ -228,7 +228,7 @@ TEST(Marginal, TellsHowFarTheOptimumIs) {
 
 TEST(IntrinsicsPrior, GradientIsThatOfItsCost) {
   const Camera camera = ordinaryCameras()[1];
-  const IntrinsicsPrior prior{Intrinsics::Constant(4, 100.0), Intrinsics::Constant(4, 20.0)};
+  const IntrinsicsPrior prior{Intrinsics::Constant(4, 100.0), Intrinsics::Constant(4, 20.0), 0.2};
   const Intrinsics gradient = prior.gradient(camera.parameters(), 5);
   for (int i = 0; i < 5; ++i) {
     Intrinsics up = camera.parameters(), down = up;
@@ -236,8 +236,27 @@ TEST(IntrinsicsPrior, GradientIsThatOfItsCost) {
     down(i) -= 1e-3;
     EXPECT_NEAR(gradient(i), -(prior.cost(up, 5) - prior.cost(down, 5)) / 2e-3, 1e-6);
   }
-  EXPECT_EQ(prior.weights(5)(4), 0.0);
+  EXPECT_TRUE(prior.information(camera.parameters(), 5).col(4).isZero());
   EXPECT_EQ(IntrinsicsPrior().cost(camera.parameters(), 5), 0.0);
+}
+
+TEST(IntrinsicsPrior, AspectKnowsNothingOfTheFocalLength) {
+  const IntrinsicsPrior prior{{}, {}, 0.2};
+  const Intrinsics square = Eigen::Vector4d(300.0, 300.0, 320.0, 240.0);
+  Intrinsics flat = square;
+  flat(0) *= std::exp(0.2);
+  EXPECT_EQ(prior.cost(square, 4), 0.0);
+  EXPECT_NEAR(prior.cost(flat, 4), 0.5, 1e-12);
+  Intrinsics longer = flat;
+  longer.head<2>() *= 2.0;
+  EXPECT_NEAR(prior.cost(longer, 4), 0.5, 1e-12);
+  Intrinsics both = Intrinsics::Zero(4);
+  both.head<2>() = flat.head<2>();
+  EXPECT_NEAR((prior.information(flat, 4) * both).norm(), 0.0, 1e-12);
+  // Gauss-Newton's step leads to square pixels, of one focal length as well as of another.
+  const Intrinsics gradient = prior.gradient(flat, 4);
+  EXPECT_LT(gradient(0), 0.0);
+  EXPECT_GT(gradient(1), 0.0);
 }
 
 TEST(FreeBlock, TakesTheBestDepthAmongTheMostSeen) {

@@ -29,19 +29,22 @@ struct SegmentBlock {
   DepthPrior depth_prior = {};  ///< Of every landmark; for solve() alone, as Problem::prior.
 };
 
-/// Vague knowledge of the intrinsics: independent normal errors. It keeps directions that nothing
-/// observes from running away, and is far too weak to matter in others. Entries beyond n_c are
-/// ignored; parameters beyond the entries have none. Empty: no prior.
+/// Vague knowledge of the intrinsics: independent normal errors, and pixels that are about square.
+/// It keeps directions that nothing observes from running away, and is far too weak to matter in
+/// others. Entries beyond n_c are ignored; parameters beyond the entries have none. Empty: no
+/// prior.
 struct IntrinsicsPrior {
   Intrinsics mean;
-  Intrinsics sigma;  ///< Positive.
+  Intrinsics sigma;           ///< Positive.
+  double aspect_sigma = 0.0;  ///< Of `ln(fx / fy)`, about 0; 0: no prior.
 
-  /// `1 / sigma^2` of the first `count` parameters; 0 where there is no prior.
-  Intrinsics weights(int count) const;
-  /// `sum (x_c - mean)^2 / sigma^2 / 2` over the first `count` parameters.
+  /// `sum (x_c - mean)^2 / sigma^2 / 2` over the first `count` parameters, and the same of the
+  /// aspect.
   double cost(const Intrinsics& parameters, int count) const;
-  /// Its negative gradient, `(mean - x_c) / sigma^2`; `count` entries.
+  /// Its negative gradient; `count` entries.
   Intrinsics gradient(const Intrinsics& parameters, int count) const;
+  /// Its Gauss-Newton Hessian, `count` x `count`; 0 where there is no prior.
+  IntrinsicsMatrix information(const Intrinsics& parameters, int count) const;
 };
 
 /// Everything that is estimated together: the intrinsics are all that the segments share.

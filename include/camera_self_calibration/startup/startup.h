@@ -182,7 +182,7 @@ class Startup {
 };
 
 /// Standard deviations that say nothing but that it is a camera: the focal length may be anything
-/// of the order of the image width, the centre anywhere in its middle.
+/// of the order of the image width, the centre anywhere in its middle, the pixels about square.
 IntrinsicsPrior vaguePrior(const Camera& about);
 
 }  // namespace camera_self_calibration
