@@ -141,21 +141,31 @@ class BenchmarkRun {
   SelfCalibrator calibrator_;
 };
 
-// Its first segments do not contradict the queue, which takes them in: then the focal length
-// seemed to drift, and no test of the newest segments against that queue said otherwise.
+// Where the first segments do not contradict the queue, which takes them in, the focal length
+// seemed to drift, and no test of the newest segments against that queue said otherwise. Such a
+// step may go unreported, but then the estimate follows it, within what it states.
 TEST(Change, ASmallStepIsNotTakenForADrift) {
   constexpr double kStepS = 30.0;
-  ChangingTracks options;
-  options.seed = 7001;
-  const Camera before = randomLens(CameraModel::kRadtan, 640, 480, options.seed).camera;
-  const Camera after = zoomed(before, 1.01);
-  BenchmarkRun run(options, before, [&](double t) { return t < kStepS ? before : after; });
-  run.run(450);
-  const Event* change = firstChange(run.record);
-  ASSERT_NE(change, nullptr);
-  EXPECT_GT(since(change->stamp_ns), kStepS);
-  EXPECT_NEAR(since(change->onset_stamp_ns), kStepS, 3.0);
-  EXPECT_NEAR(change->magnitude_px / pixelDistance(before, after).rms, 1.0, 0.3);
+  constexpr int kTrials = 4;
+  int noticed = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    ChangingTracks options;
+    options.seed = 7001 + trial;
+    const Camera before = randomLens(CameraModel::kRadtan, 640, 480, options.seed).camera;
+    const Camera after = zoomed(before, 1.01);
+    BenchmarkRun run(options, before, [&](double t) { return t < kStepS ? before : after; });
+    run.run(450);
+    const CalibrationReport report = run.report();
+    EXPECT_LT(pixelDistance(after, report.camera).rms, 3.0 * report.uncertainty.rms);
+    EXPECT_EQ(report.sentence.find("drifts"), std::string::npos) << report.sentence;
+    const Event* change = firstChange(run.record);
+    if (change == nullptr) continue;
+    ++noticed;
+    EXPECT_GT(since(change->stamp_ns), kStepS);
+    EXPECT_NEAR(since(change->onset_stamp_ns), kStepS, 3.0);
+    EXPECT_NEAR(change->magnitude_px / pixelDistance(before, after).rms, 1.0, 0.3);
+  }
+  EXPECT_GE(noticed, kTrials - 1);
 }
 
 // A window of this one contradicts the queue, which lags behind, as clearly as after a step.
