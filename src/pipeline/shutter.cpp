@@ -9,11 +9,9 @@
 namespace camera_self_calibration {
 namespace {
 
-// Keyframes more in the startup batch, and their share of all, after which it is asked again:
-// another line delay means that all segments are evaluated anew, and what is known of it can have
-// gained half that share.
+// Keyframes more in the startup batch, at least, after which it is asked again: another line delay
+// means that all segments are evaluated anew.
 constexpr int kKeyframesBetween = 3;
-constexpr double kWorthAsking = 0.1;
 // Changes of the queue, likewise.
 constexpr int kTakenBetween = 5;
 
@@ -69,7 +67,7 @@ bool Shutter::ask(const Startup& startup) {
   if (!learns_) return false;
   const int keyframes = startup.keyframesAdded();
   const bool known = line_delay_.estimate().usable;
-  const int between = std::max(kKeyframesBetween, static_cast<int>(kWorthAsking * keyframes));
+  const int between = std::max(kKeyframesBetween, static_cast<int>(kWorthASolve * keyframes));
   if (known && std::abs(keyframes - keyframes_) < between) return false;
   keyframes_ = keyframes;
   return line_delay_.take(startup.lineDelay());

@@ -21,10 +21,7 @@ namespace {
 // Other guesses are tried after so many keyframes, and again each time there are 3/2 as many.
 constexpr int kFirstRetry = 6;
 constexpr int kNewBatchKeyframes = 12;  // at most, where one begins again
-// A full batch is solved again, and k3 tried again, when this share more keyframes came: the
-// uncertainty can then be by half that share smaller.
-constexpr double kWorthASolve = 0.1;
-constexpr int kMostNew = 3;                         // or when so great a part of it is new
+constexpr int kMostNew = 3;  // of a full batch: it is solved again when one part in so many is new
 const double kHalfTheInformation = std::sqrt(2.0);  // in sigmas
 constexpr double kPriorSigmas = 5.0;  // of what is known from elsewhere: a batch can contradict it
 // Of the likelihood ratio that k3 needs: promised to first order, it may turn out twice as large.

@@ -15,6 +15,10 @@
 
 namespace camera_self_calibration {
 
+/// What costs a solve waits until this share more keyframes came: a full batch is solved, k3 tried
+/// and the line delay asked for again. The uncertainty can then be by half that share smaller.
+constexpr double kWorthASolve = 0.1;
+
 struct StartupOptions {
   GrowthOptions growth;          ///< Its prior is replaced by a vague one about the first guess.
   KeyframeChoiceOptions choice;  ///< What to leave out when there are too many keyframes.
