@@ -93,12 +93,17 @@ def decimals(sigma):
     return max(0, 1 - int(f"{sigma:e}".split("e")[1]))
 
 
+def two_digits(value):
+    """At least two digits of it, never in powers of ten."""
+    return f"{value:.{decimals(value)}f}"
+
+
 def estimate(summary):
     """"fx 311.202 ± 0.017, ..."; of a lens that is not known, "none"."""
     values, sigmas = summary["camera"]["params"], summary["camera"]["sigma"]
     if any(sigma is None for sigma in sigmas.values()):
         return "none"
-    return ", ".join(f"{name} {values[name]:.{decimals(sigma)}f} ± {sigma:.{decimals(sigma)}f}"
+    return ", ".join(f"{name} {values[name]:.{decimals(sigma)}f} ± {two_digits(sigma)}"
                      for name, sigma in sigmas.items() if sigma > 0)
 
 
@@ -182,11 +187,11 @@ def chosen(places):
     for sequence, bag, options, truth in CHOSEN:
         summary = calibrate(places, bag, options.split())
         stated = summary["pixel_uncertainty"]["rms"]
-        error = format(distance(places, truth, summary["camera"]), ".2g")
+        error = two_digits(distance(places, truth, summary["camera"]))
         if truth.radius < 1e9:
             error += f" within {truth.radius:.0f} px of the centre"
         rows.append(f"| {sequence} | `{summary['camera']['model']}` | {summary['state']} | {error} | "
-                    f"{'-' if stated is None else format(stated, '.2g')} | "
+                    f"{'-' if stated is None else two_digits(stated)} | "
                     f"{summary['frames_per_second']:.0f} |")
     return "\n".join(rows) + "\n"
 

@@ -82,6 +82,10 @@ class Measure(unittest.TestCase):
         summary["camera"]["sigma"]["fx"] = None
         self.assertEqual(measure_tables.estimate(summary), "none")
 
+    def test_an_error_is_never_printed_in_powers_of_ten(self):
+        self.assertEqual([measure_tables.two_digits(px) for px in (0.0154, 2.545, 142.4)],
+                         ["0.015", "2.5", "142"])
+
     def test_says_what_is_missing(self):
         places = measure_tables.Places(pathlib.Path("build"), None)
         with self.assertRaises(measure_tables.NotMeasured):
