@@ -115,13 +115,6 @@ std::optional<RobustFit> robustFit(std::vector<Equation> equations) {
   return fit;
 }
 
-bool movesWithScene(const MovingPoint& moving, const Eigen::Vector2d& velocity, double typical) {
-  const Eigen::Vector2d& measured = moving.measured.velocity;
-  if (measured.isZero()) return true;  // seen once: nothing is known
-  return (measured - velocity).norm() <=
-         kOwnMotion * typical / std::sqrt(moving.weight) + kTruncation * measured.norm();
-}
-
 }  // namespace
 
 std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& points,
@@ -152,9 +145,17 @@ std::optional<ImageMotion> imageMotion(const MovingPoint& point, const CameraMot
   const std::optional<Matrix26d> design = designOf(point, camera);
   const auto steady = steadyAcceleration(point, motion.velocity, camera);
   if (!design || !steady) return std::nullopt;
-  const Eigen::Vector2d velocity = *design * motion.velocity;
-  if (!movesWithScene(point, velocity, motion.typical_residual)) return std::nullopt;
-  return ImageMotion{velocity, *design * motion.acceleration + *steady};
+  return ImageMotion{*design * motion.velocity, *design * motion.acceleration + *steady};
+}
+
+bool movesWithScene(const MovingPoint& point, const CameraMotion& motion, const Camera& camera) {
+  const std::optional<ImageMotion> scene = imageMotion(point, motion, camera);
+  if (!scene) return false;
+  const Eigen::Vector2d& measured = point.measured.velocity;
+  if (measured.isZero()) return true;  // seen once: nothing is known
+  return (measured - scene->velocity).norm() <=
+         kOwnMotion * motion.typical_residual / std::sqrt(point.weight) +
+             kTruncation * measured.norm();
 }
 
 }  // namespace camera_self_calibration

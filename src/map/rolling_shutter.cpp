@@ -30,7 +30,35 @@ class Scene {
         middle_row_(0.5 * (camera.height() - 1)),
         camera_(camera),
         segment_(segment),
-        movers_(segment->keyframes.size()) {}
+        movers_(segment->keyframes.size()),
+        motions_(segment->keyframes.size()) {
+    collect();
+    for (std::size_t k = 0; k < movers_.size(); ++k) motions_[k] = motionOf(k);
+  }
+
+  SceneMembers members() const {
+    SceneMembers result(movers_.size());
+    for (std::size_t k = 0; k < movers_.size(); ++k) {
+      for (const Mover& mover : movers_[k]) {
+        result[k].push_back(motions_[k] && mover.point &&
+                            movesWithScene(*mover.point, *motions_[k], cameraOf(k)));
+      }
+    }
+    return result;
+  }
+
+  void place(const SceneMembers& members) {
+    for (std::size_t k = 0; k < movers_.size(); ++k) {
+      for (std::size_t i = 0; i < movers_[k].size(); ++i) {
+        place(k, members[k][i], &movers_[k][i]);
+      }
+    }
+  }
+
+ private:
+  const Camera& cameraOf(std::size_t keyframe) const {
+    return segment_->cameraOf(static_cast<int>(keyframe), camera_);
+  }
 
   void collect() {
     for (Landmark& landmark : segment_->landmarks) {
@@ -44,19 +72,6 @@ class Scene {
     }
   }
 
-  void place() {
-    for (std::size_t k = 0; k < movers_.size(); ++k) {
-      const Camera& camera = segment_->cameraOf(static_cast<int>(k), camera_);
-      std::vector<MovingPoint> points;
-      for (const Mover& mover : movers_[k]) {
-        if (mover.point) points.push_back(*mover.point);
-      }
-      const std::optional<CameraMotion> motion = fitCameraMotion(points, camera);
-      for (Mover& mover : movers_[k]) place(camera, motion, &mover);
-    }
-  }
-
- private:
   void add(const Landmark& landmark, int keyframe, double weight, Eigen::Vector2d* pixel,
            RowShift* shift) {
     Mover mover{pixel, shift};
@@ -79,11 +94,22 @@ class Scene {
     return segment_->cameraOf(landmark.reference, camera_).unproject(landmark.reference_pixel);
   }
 
+  std::optional<CameraMotion> motionOf(std::size_t keyframe) const {
+    std::vector<MovingPoint> points;
+    for (const Mover& mover : movers_[keyframe]) {
+      if (mover.point) points.push_back(*mover.point);
+    }
+    return fitCameraMotion(points, cameraOf(keyframe));
+  }
+
   // What does not belong to the scene, or could not be fitted, moves as it was seen to.
-  void place(const Camera& camera, const std::optional<CameraMotion>& motion, Mover* mover) const {
+  void place(std::size_t keyframe, bool with_scene, Mover* mover) const {
+    const std::optional<CameraMotion>& motion = motions_[keyframe];
     std::optional<ImageMotion> moves;
-    if (motion && mover->point) moves = imageMotion(*mover->point, *motion, camera);
-    if (!moves) return placePixel(line_delay_s_, camera.height(), mover->pixel, mover->shift);
+    if (with_scene && motion && mover->point) {
+      moves = imageMotion(*mover->point, *motion, cameraOf(keyframe));
+    }
+    if (!moves) return placePixel(line_delay_s_, camera_.height(), mover->pixel, mover->shift);
     const Eigen::Vector2d seen = seenPixel(*mover);
     *mover->pixel = asSeenAtOnceInTime(seen, *moves, middle_row_, line_delay_s_);
     mover->shift->shift = seen - *mover->pixel;
@@ -93,7 +119,8 @@ class Scene {
   double middle_row_;
   const Camera& camera_;
   Segment* segment_;
-  std::vector<std::vector<Mover>> movers_;  // by keyframe
+  std::vector<std::vector<Mover>> movers_;            // by keyframe
+  std::vector<std::optional<CameraMotion>> motions_;  // likewise
 };
 
 }  // namespace
@@ -114,12 +141,18 @@ void setLineDelay(double line_delay_s, int image_height, Segment* segment) {
   }
 }
 
-void setLineDelayOfScene(double line_delay_s, const Camera& camera, Segment* segment) {
-  if (line_delay_s == 0.0) return setLineDelay(line_delay_s, camera.height(), segment);
+SceneMembers setLineDelayOfScene(double line_delay_s, const Camera& camera, Segment* segment) {
   for (Keyframe& keyframe : segment->keyframes) keyframe.line_delay_s = line_delay_s;
   Scene scene(line_delay_s, camera, segment);
-  scene.collect();
-  scene.place();
+  SceneMembers members = scene.members();
+  scene.place(members);
+  return members;
+}
+
+void setLineDelayOfScene(double line_delay_s, const Camera& camera, const SceneMembers& members,
+                         Segment* segment) {
+  for (Keyframe& keyframe : segment->keyframes) keyframe.line_delay_s = line_delay_s;
+  Scene(line_delay_s, camera, segment).place(members);
 }
 
 }  // namespace camera_self_calibration

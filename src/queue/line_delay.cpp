@@ -32,15 +32,25 @@ class Profile {
  public:
   Profile(const std::vector<SegmentBlock>& blocks, const Camera& camera,
           const IntrinsicsPrior& prior, int threads)
-      : blocks_(blocks), camera_(camera), prior_(prior), threads_(threads), linear_(blocks.size()) {
+      : blocks_(blocks),
+        camera_(camera),
+        prior_(prior),
+        threads_(threads),
+        linear_(blocks.size()),
+        members_(blocks.size()) {
     for (const SegmentBlock& block : blocks) weighted_.push_back(weighted(block));
   }
 
+  // Which features move with the scene is decided at the first point, for all.
   ProfilePoint at(double line_delay_s) {
     const int count = camera_.estimatedCount();
     parallelFor(threads_, static_cast<int>(blocks_.size()), [&](int i) {
       Segment segment = weighted_[i];
-      setLineDelayOfScene(line_delay_s, camera_, &segment);
+      if (members_[i].empty()) {
+        members_[i] = setLineDelayOfScene(line_delay_s, camera_, &segment);
+      } else {
+        setLineDelayOfScene(line_delay_s, camera_, members_[i], &segment);
+      }
       SegmentBlock block = blocks_[i];
       block.segment = &segment;
       linear_[i].linearize(block, camera_, count, 0.0);
@@ -86,6 +96,7 @@ class Profile {
   int threads_;
   std::vector<Segment> weighted_;
   LinearSegments linear_;
+  std::vector<SceneMembers> members_;
 };
 
 }  // namespace
@@ -97,8 +108,8 @@ LineDelayEstimate estimateLineDelay(const std::vector<SegmentBlock>& blocks, con
   const double present = blocks.front().segment->keyframes.front().line_delay_s;
   const double step = kStep / rowSteps(camera.height());
   Profile profile(blocks, camera, prior, threads);
-  const ProfilePoint before = profile.at(present - step);
   const ProfilePoint here = profile.at(present);
+  const ProfilePoint before = profile.at(present - step);
   const ProfilePoint after = profile.at(present + step);
   const double bend = (before.cost - 2.0 * here.cost + after.cost) / (step * step);
   const double slope = (after.cost - before.cost) / (2.0 * step);

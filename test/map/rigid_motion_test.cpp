@@ -124,22 +124,22 @@ TEST(RigidMotion, GoesByTheFeaturesThatWereMeasuredInMostImages) {
   EXPECT_GT(rmsVelocityError(*most), 5.0) << "eight are too few to do without the others";
 }
 
-TEST(RigidMotion, HasNoneForWhatIsSeenToMoveOtherwise) {
+TEST(RigidMotion, TellsWhatIsSeenToMoveOtherwise) {
   Random random(7);
   const auto motion = fitCameraMotion(movingPoints(kPoints, 2.0, &random), kCamera);
   ASSERT_TRUE(motion);
   MovingPoint at_camera = movingPoint(0);
   at_camera.inverse_depth *= 1e6;
-  EXPECT_FALSE(imageMotion(at_camera, *motion, kCamera));
+  EXPECT_FALSE(movesWithScene(at_camera, *motion, kCamera));
   MovingPoint by_itself = movingPoint(1);
   by_itself.measured.velocity *= -0.3;
-  EXPECT_FALSE(imageMotion(by_itself, *motion, kCamera));
+  EXPECT_FALSE(movesWithScene(by_itself, *motion, kCamera));
   MovingPoint slow = movingPoint(2);
   slow.measured.velocity *= 0.8;  // by a polynomial that is too stiff
-  EXPECT_TRUE(imageMotion(slow, *motion, kCamera));
+  EXPECT_TRUE(movesWithScene(slow, *motion, kCamera));
   MovingPoint seen_once = movingPoint(3);
   seen_once.measured = ImageMotion();
-  EXPECT_TRUE(imageMotion(seen_once, *motion, kCamera));
+  EXPECT_TRUE(movesWithScene(seen_once, *motion, kCamera));
 }
 
 TEST(RigidMotion, NeedsPointsWhoseMotionIsKnown) {
@@ -200,6 +200,27 @@ TEST(RigidMotion, FreesPixelsOfTheRollingShutterWithoutTheNoiseOfTheirMotion) {
   for (int i = 0; i < kPoints; ++i) {
     EXPECT_LT((together.observations[i].pixel - seen.observations[i].pixel).norm(), 1e-9);
   }
+}
+
+TEST(RigidMotion, WhichFeaturesMoveWithTheSceneCanBeHeld) {
+  const Segment seen = rollingSegment(0.0);
+  Segment other = seen;
+  other.observations[3].shift.motion.velocity *= -0.3;
+  Segment decided = other;
+  SceneMembers members = setLineDelayOfScene(kLineDelay, kCamera, &decided);
+  ASSERT_EQ(members.size(), 2u);
+  ASSERT_EQ(members[1].size(), static_cast<std::size_t>(kPoints));
+  for (int i = 0; i < kPoints; ++i) EXPECT_EQ(members[1][i], i != 3) << i;
+  Segment alone = other;
+  setLineDelay(kLineDelay, kCamera.height(), &alone);
+  EXPECT_EQ(decided.observations[3].pixel, alone.observations[3].pixel) << "as it was seen to move";
+  Segment again = other;
+  setLineDelayOfScene(kLineDelay, kCamera, members, &again);
+  EXPECT_EQ(again.observations[3].pixel, decided.observations[3].pixel);
+  members[1][3] = true;
+  setLineDelayOfScene(kLineDelay, kCamera, members, &again);
+  EXPECT_LT((again.observations[3].pixel - pixelAt(3, 0.0)).norm(), 0.1) << "as the scene does";
+  EXPECT_GT((decided.observations[3].pixel - pixelAt(3, 0.0)).norm(), 0.1);
 }
 
 }  // namespace

@@ -34,10 +34,13 @@ struct CameraMotion {
 std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& points,
                                             const Camera& camera);
 
-/// The motion of a feature in the image that follows. Nothing where the camera cannot project, and
-/// where the feature was seen to move otherwise: it has a motion of its own or a depth that is
-/// wrong, and one that seems to be at the camera would move without bounds.
+/// The motion of a feature in the image that follows; nothing where the camera cannot project.
 std::optional<ImageMotion> imageMotion(const MovingPoint& point, const CameraMotion& motion,
                                        const Camera& camera);
+
+/// Whether a feature was seen to move as follows from the camera's motion. One that was not has a
+/// motion of its own or a depth that is wrong: one that seems to be at the camera would move
+/// without bounds.
+bool movesWithScene(const MovingPoint& point, const CameraMotion& motion, const Camera& camera);
 
 }  // namespace camera_self_calibration
