@@ -148,14 +148,11 @@ std::optional<ImageMotion> imageMotion(const MovingPoint& point, const CameraMot
   return ImageMotion{*design * motion.velocity, *design * motion.acceleration + *steady};
 }
 
-bool movesWithScene(const MovingPoint& point, const CameraMotion& motion, const Camera& camera) {
-  const std::optional<ImageMotion> scene = imageMotion(point, motion, camera);
-  if (!scene) return false;
+bool movesWithScene(const MovingPoint& point, const ImageMotion& scene, double typical_residual) {
   const Eigen::Vector2d& measured = point.measured.velocity;
   if (measured.isZero()) return true;  // seen once: nothing is known
-  return (measured - scene->velocity).norm() <=
-         kOwnMotion * motion.typical_residual / std::sqrt(point.weight) +
-             kTruncation * measured.norm();
+  return (measured - scene.velocity).norm() <=
+         kOwnMotion * typical_residual / std::sqrt(point.weight) + kTruncation * measured.norm();
 }
 
 }  // namespace camera_self_calibration

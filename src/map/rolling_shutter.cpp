@@ -18,7 +18,9 @@ constexpr double kStartVariance = 8.5;
 struct Mover {
   Eigen::Vector2d* pixel = nullptr;
   RowShift* shift = nullptr;
-  std::optional<MovingPoint> point = {};  // nothing where the landmark cannot be seen
+  std::optional<MovingPoint> point = {};     // nothing where the landmark cannot be seen
+  std::optional<ImageMotion> of_scene = {};  // nothing where the scene's motion is not known
+  bool with_scene = false;
 };
 
 Eigen::Vector2d seenPixel(const Mover& mover) { return *mover.pixel + mover.shift->shift; }
@@ -30,36 +32,29 @@ class Scene {
         middle_row_(0.5 * (camera.height() - 1)),
         camera_(camera),
         segment_(segment),
-        movers_(segment->keyframes.size()),
-        motions_(segment->keyframes.size()) {
+        movers_(segment->keyframes.size()) {
     collect();
-    for (std::size_t k = 0; k < movers_.size(); ++k) motions_[k] = motionOf(k);
+    for (std::size_t k = 0; k < movers_.size(); ++k) moveWithCamera(k);
   }
 
   SceneMembers members() const {
     SceneMembers result(movers_.size());
     for (std::size_t k = 0; k < movers_.size(); ++k) {
-      for (const Mover& mover : movers_[k]) {
-        result[k].push_back(motions_[k] && mover.point &&
-                            movesWithScene(*mover.point, *motions_[k], cameraOf(k)));
-      }
+      for (const Mover& mover : movers_[k]) result[k].push_back(mover.with_scene);
     }
     return result;
   }
 
   void place(const SceneMembers& members) {
+    for (Keyframe& keyframe : segment_->keyframes) keyframe.line_delay_s = line_delay_s_;
     for (std::size_t k = 0; k < movers_.size(); ++k) {
       for (std::size_t i = 0; i < movers_[k].size(); ++i) {
-        place(k, members[k][i], &movers_[k][i]);
+        place(members[k][i], &movers_[k][i]);
       }
     }
   }
 
  private:
-  const Camera& cameraOf(std::size_t keyframe) const {
-    return segment_->cameraOf(static_cast<int>(keyframe), camera_);
-  }
-
   void collect() {
     for (Landmark& landmark : segment_->landmarks) {
       if (!landmark.anchored) continue;
@@ -94,24 +89,28 @@ class Scene {
     return segment_->cameraOf(landmark.reference, camera_).unproject(landmark.reference_pixel);
   }
 
-  std::optional<CameraMotion> motionOf(std::size_t keyframe) const {
+  void moveWithCamera(std::size_t keyframe) {
+    const Camera& camera = segment_->cameraOf(static_cast<int>(keyframe), camera_);
     std::vector<MovingPoint> points;
     for (const Mover& mover : movers_[keyframe]) {
       if (mover.point) points.push_back(*mover.point);
     }
-    return fitCameraMotion(points, cameraOf(keyframe));
+    const std::optional<CameraMotion> motion = fitCameraMotion(points, camera);
+    if (!motion) return;
+    for (Mover& mover : movers_[keyframe]) {
+      if (mover.point) mover.of_scene = imageMotion(*mover.point, *motion, camera);
+      mover.with_scene =
+          mover.of_scene && movesWithScene(*mover.point, *mover.of_scene, motion->typical_residual);
+    }
   }
 
   // What does not belong to the scene, or could not be fitted, moves as it was seen to.
-  void place(std::size_t keyframe, bool with_scene, Mover* mover) const {
-    const std::optional<CameraMotion>& motion = motions_[keyframe];
-    std::optional<ImageMotion> moves;
-    if (with_scene && motion && mover->point) {
-      moves = imageMotion(*mover->point, *motion, cameraOf(keyframe));
+  void place(bool with_scene, Mover* mover) const {
+    if (!with_scene || !mover->of_scene) {
+      return placePixel(line_delay_s_, camera_.height(), mover->pixel, mover->shift);
     }
-    if (!moves) return placePixel(line_delay_s_, camera_.height(), mover->pixel, mover->shift);
     const Eigen::Vector2d seen = seenPixel(*mover);
-    *mover->pixel = asSeenAtOnceInTime(seen, *moves, middle_row_, line_delay_s_);
+    *mover->pixel = asSeenAtOnceInTime(seen, *mover->of_scene, middle_row_, line_delay_s_);
     mover->shift->shift = seen - *mover->pixel;
   }
 
@@ -119,8 +118,7 @@ class Scene {
   double middle_row_;
   const Camera& camera_;
   Segment* segment_;
-  std::vector<std::vector<Mover>> movers_;            // by keyframe
-  std::vector<std::optional<CameraMotion>> motions_;  // likewise
+  std::vector<std::vector<Mover>> movers_;  // by keyframe
 };
 
 }  // namespace
@@ -142,7 +140,6 @@ void setLineDelay(double line_delay_s, int image_height, Segment* segment) {
 }
 
 SceneMembers setLineDelayOfScene(double line_delay_s, const Camera& camera, Segment* segment) {
-  for (Keyframe& keyframe : segment->keyframes) keyframe.line_delay_s = line_delay_s;
   Scene scene(line_delay_s, camera, segment);
   SceneMembers members = scene.members();
   scene.place(members);
@@ -151,7 +148,6 @@ SceneMembers setLineDelayOfScene(double line_delay_s, const Camera& camera, Segm
 
 void setLineDelayOfScene(double line_delay_s, const Camera& camera, const SceneMembers& members,
                          Segment* segment) {
-  for (Keyframe& keyframe : segment->keyframes) keyframe.line_delay_s = line_delay_s;
   Scene(line_delay_s, camera, segment).place(members);
 }
 

@@ -124,22 +124,27 @@ TEST(RigidMotion, GoesByTheFeaturesThatWereMeasuredInMostImages) {
   EXPECT_GT(rmsVelocityError(*most), 5.0) << "eight are too few to do without the others";
 }
 
+bool seenToMoveWith(const CameraMotion& motion, const MovingPoint& point) {
+  const auto scene = imageMotion(point, motion, kCamera);
+  return scene && movesWithScene(point, *scene, motion.typical_residual);
+}
+
 TEST(RigidMotion, TellsWhatIsSeenToMoveOtherwise) {
   Random random(7);
   const auto motion = fitCameraMotion(movingPoints(kPoints, 2.0, &random), kCamera);
   ASSERT_TRUE(motion);
   MovingPoint at_camera = movingPoint(0);
   at_camera.inverse_depth *= 1e6;
-  EXPECT_FALSE(movesWithScene(at_camera, *motion, kCamera));
+  EXPECT_FALSE(seenToMoveWith(*motion, at_camera));
   MovingPoint by_itself = movingPoint(1);
   by_itself.measured.velocity *= -0.3;
-  EXPECT_FALSE(movesWithScene(by_itself, *motion, kCamera));
+  EXPECT_FALSE(seenToMoveWith(*motion, by_itself));
   MovingPoint slow = movingPoint(2);
   slow.measured.velocity *= 0.8;  // by a polynomial that is too stiff
-  EXPECT_TRUE(movesWithScene(slow, *motion, kCamera));
+  EXPECT_TRUE(seenToMoveWith(*motion, slow));
   MovingPoint seen_once = movingPoint(3);
   seen_once.measured = ImageMotion();
-  EXPECT_TRUE(movesWithScene(seen_once, *motion, kCamera));
+  EXPECT_TRUE(seenToMoveWith(*motion, seen_once));
 }
 
 TEST(RigidMotion, NeedsPointsWhoseMotionIsKnown) {

@@ -38,9 +38,9 @@ std::optional<CameraMotion> fitCameraMotion(const std::vector<MovingPoint>& poin
 std::optional<ImageMotion> imageMotion(const MovingPoint& point, const CameraMotion& motion,
                                        const Camera& camera);
 
-/// Whether a feature was seen to move as follows from the camera's motion. One that was not has a
-/// motion of its own or a depth that is wrong: one that seems to be at the camera would move
-/// without bounds.
-bool movesWithScene(const MovingPoint& point, const CameraMotion& motion, const Camera& camera);
+/// Whether a feature was seen to move as `scene` says, which follows from the camera's motion
+/// (imageMotion), whose `typical_residual` is the scale. One that was not has a motion of its own
+/// or a depth that is wrong: one that seems to be at the camera would move without bounds.
+bool movesWithScene(const MovingPoint& point, const ImageMotion& scene, double typical_residual);
 
 }  // namespace camera_self_calibration

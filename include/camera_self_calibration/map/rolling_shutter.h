@@ -26,7 +26,7 @@ void setLineDelay(double line_delay_s, int image_height, Segment* segment);
 /// (fitCameraMotion, by those whose motion is known best). A feature's own motion is a difference
 /// of noisy pixels: times the line delay its noise looks like an error that grows with the line
 /// delay, which is then found too short. What was seen to move otherwise (movesWithScene) keeps its
-/// own motion; returns which features do not.
+/// own motion. Returns which features move with the scene.
 SceneMembers setLineDelayOfScene(double line_delay_s, const Camera& camera, Segment* segment);
 
 /// The same with `members` as they were found at another line delay: where costs are compared that
