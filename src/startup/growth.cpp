@@ -156,11 +156,14 @@ double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Cam
   return robustCost(freeBlock(&grown, *camera), *camera, kHuberThreshold);
 }
 
-double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera) {
+double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera,
+                 double give_up_above) {
   forget(*camera, segment);
   double cost = std::numeric_limits<double>::infinity();
   for (int k = 1; k < static_cast<int>(segment->keyframes.size()); ++k) {
     cost = growByKeyframe(options, k, segment, camera);
+    const bool estimated = k + 1 >= options.free_after_keyframes;
+    if (estimated && cost > give_up_above) break;
   }
   return cost;
 }

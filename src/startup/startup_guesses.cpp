@@ -90,8 +90,9 @@ Startup::Trial Startup::tryGuess(const Camera& guess) const {
   GrowthOptions growth = options_.growth;
   growth.prior = vaguePrior(guess);
   trial.camera = guess;
-  trial.cost = bootstrap(growth, &trial.segment, &trial.camera);
-  trial.better = trial.cost < kClearlyLess * present && !ranAway(trial.camera);
+  const double needed = kClearlyLess * present;
+  trial.cost = bootstrap(growth, &trial.segment, &trial.camera, needed);
+  trial.better = trial.cost < needed && !ranAway(trial.camera);
   return trial;
 }
 

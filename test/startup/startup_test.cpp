@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <limits>
 #include <memory>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
@@ -190,6 +191,31 @@ TEST(GrowByKeyframe, BearsWhatCannotBePredicted) {
   for (const Keyframe& keyframe : segment.keyframes) {
     EXPECT_TRUE(keyframe.world_from_camera.translation.allFinite());
   }
+}
+
+TEST(Bootstrap, GivesUpOnceTheCostIsAboveWhatIsNeeded) {
+  const SimulatedSegment made = longSegment(ordinaryCameras()[1], MotionKind::kHandheld, 3, 12);
+  const Camera guess = Camera::defaultGuess(made.camera.model(), 640, 480);
+  const GrowthOptions options;
+  const auto from = [&](double give_up_above, Segment* segment, Camera* camera) {
+    *segment = forgotten(made.segment, guess);
+    *camera = guess;
+    return bootstrap(options, segment, camera, give_up_above);
+  };
+  Segment whole, good_enough, abandoned;
+  Camera camera;
+  const double cost = from(std::numeric_limits<double>::infinity(), &whole, &camera);
+  const Eigen::VectorXd solved = camera.parameters();
+  EXPECT_EQ(from(1e3 * cost, &good_enough, &camera), cost);
+  EXPECT_EQ(camera.parameters(), solved);
+  const double needed = 1e-3 * cost;
+  const double at_the_end = from(needed, &abandoned, &camera);
+  EXPECT_GT(at_the_end, needed);
+  EXPECT_LT(at_the_end, cost);
+  const Rigid3& first_free =
+      abandoned.keyframes[options.free_after_keyframes - 1].world_from_camera;
+  EXPECT_FALSE(first_free.translation.isZero());
+  EXPECT_TRUE(abandoned.keyframes.back().world_from_camera.translation.isZero());
 }
 
 // With two threads the newest keyframe may find the batch busy, and is left out.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
@@ -25,7 +26,10 @@ bool ranAway(const Camera& camera);
 double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera);
 
 /// Solves a segment from no knowledge but `camera`'s guess, keyframe by keyframe (all poses and
-/// depths in it are overwritten). Returns the final robust cost; infinite where it failed.
-double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera);
+/// depths in it are overwritten). Returns the final robust cost; infinite where it failed. Each
+/// keyframe adds to the cost of the best solution: once it is above `give_up_above` with the
+/// intrinsics estimated, the rest is left out, and the cost so far returned.
+double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera,
+                 double give_up_above = std::numeric_limits<double>::infinity());
 
 }  // namespace camera_self_calibration
