@@ -26,9 +26,10 @@ bool ranAway(const Camera& camera);
 double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera);
 
 /// Solves a segment from no knowledge but `camera`'s guess, keyframe by keyframe (all poses and
-/// depths in it are overwritten). Returns the final robust cost; infinite where it failed. Each
-/// keyframe adds to the cost of the best solution: once it is above `give_up_above` with the
-/// intrinsics estimated, the rest is left out, and the cost so far returned.
+/// depths in it are overwritten). Returns the final robust cost; infinite where it failed. Once the
+/// intrinsics are estimated and the cost is above `give_up_above`, the rest is left out, and the
+/// cost so far returned: that of the best solution only rises with the keyframes. It is no strict
+/// bound, since a solution that is short of its optimum may still get there.
 double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera,
                  double give_up_above = std::numeric_limits<double>::infinity());
 
