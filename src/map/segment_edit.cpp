@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "camera_self_calibration/map/inverse_depth.h"
@@ -211,6 +212,25 @@ Segment extended(const Segment& batch, const Segment& history, const Camera& cam
   assembly.add(batch, indices(batch), true);
   assembly.add(history, indices(history), false);
   return assembly.build(&camera);
+}
+
+std::vector<int> givenUp(const Segment& batch, const Segment& history) {
+  std::set<std::int64_t> keyframes;
+  for (const Keyframe& keyframe : history.keyframes) keyframes.insert(keyframe.id);
+  std::set<std::int64_t> tracks;
+  for (const Landmark& landmark : history.landmarks) tracks.insert(landmark.track_id);
+  std::vector<std::size_t> views(batch.landmarks.size(), 0);
+  const auto isIn = [&](int k) { return keyframes.count(batch.keyframes[k].id); };
+  for (const Observation& o : batch.observations) views[o.landmark] += isIn(o.keyframe);
+  std::vector<int> given_up;
+  for (std::size_t l = 0; l < batch.landmarks.size(); ++l) {
+    const Landmark& landmark = batch.landmarks[l];
+    if (landmark.anchored) views[l] += isIn(landmark.reference);
+    if (views[l] >= 2 && tracks.count(landmark.track_id) == 0) {
+      given_up.push_back(static_cast<int>(l));
+    }
+  }
+  return given_up;
 }
 
 Segment onlyKeyframes(const Segment& segment, const std::vector<char>& keep) {

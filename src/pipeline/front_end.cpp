@@ -125,6 +125,7 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& seen,
   const TrackedFrame frame = withMotion(seen);
   FrontEndOutput output;
   output.result.stamp_ns = frame.stamp_ns;
+  window_.forget(frame.carried);
   locate(frame, &output);
   const bool first = window_.map().keyframes().empty();
   const bool due = frames_without_pose_ == 0 &&

@@ -203,6 +203,7 @@ void Startup::beginAgain(const Segment& history) {
 
 void Startup::extend(const Segment& history) {
   const std::int64_t newest = segment_.keyframes.back().id;
+  removeLandmarks(givenUp(segment_, history), &segment_);
   segment_ = connectedToNewest(extended(segment_, history, camera_));
   const int keyframes = static_cast<int>(segment_.keyframes.size());
   const int known = keyframes - countAfter(newest, segment_);

@@ -36,7 +36,10 @@ void Tracker::Impl::restart() {
 }
 
 void Tracker::Impl::load(const ImageView& image) {
-  if (current_.size() != cv::Size(image.width, image.height)) restart();
+  if (current_.size() != cv::Size(image.width, image.height)) {
+    restart();
+    carried_.clear();
+  }
   std::swap(previous_, current_);
   current_.build(image);
   usable_area_.setImageSize(image.width, image.height);
@@ -153,6 +156,8 @@ void Tracker::Impl::advance() {
   keepIf([this](const Feature& feature) { return mayReturn(feature); });
   limitReserve();
   listTracks();
+  frame.carried = carried_.add(frame);
+  if (!frame.carried.empty()) end(frame.carried);
 }
 
 // From the features that were found: the noise, and what the features of each level tell.
@@ -170,6 +175,13 @@ void Tracker::Impl::learn() {
     gate.learn(accepted_[static_cast<std::size_t>(level)]);
     for (PatchRegistration& worker : registrations_) worker.setNoise(level, gate.whiteNoise());
   }
+}
+
+void Tracker::Impl::end(const std::vector<std::int64_t>& ids) {
+  keepIf([&](const Feature& feature) {
+    return std::find(ids.begin(), ids.end(), feature.id) == ids.end();
+  });
+  listTracks();
 }
 
 void Tracker::Impl::listTracks() {
@@ -211,12 +223,7 @@ std::vector<Eigen::Vector2d> Tracker::corners(int count) {
   return impl_->usable ? impl_->corners(count) : std::vector<Eigen::Vector2d>();
 }
 
-void Tracker::drop(const std::vector<std::int64_t>& ids) {
-  impl_->keepIf([&](const Feature& feature) {
-    return std::find(ids.begin(), ids.end(), feature.id) == ids.end();
-  });
-  impl_->listTracks();
-}
+void Tracker::drop(const std::vector<std::int64_t>& ids) { impl_->end(ids); }
 
 void Tracker::reset() {
   impl_->restart();

@@ -62,6 +62,7 @@ bool Tracker::Impl::allowed(const Corner& corner, int level) const {
   const int margin = kMaskRadius << level;
   return inside(centre, image, kBorder) && !mask_.touches(corner.x, corner.y, margin) &&
          usable_area_.contains(corner.x, corner.y, margin) &&
+         !carried_.near({corner.x, corner.y}, minDistance()) &&
          !saturated(image, centre.x(), centre.y());
 }
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "camera_self_calibration/tracking/carried_features.h"
 #include "camera_self_calibration/tracking/field_mask.h"
 #include "camera_self_calibration/tracking/flow_prediction.h"
 #include "camera_self_calibration/tracking/harris.h"
@@ -49,6 +50,7 @@ struct Tracker::Impl {
   std::vector<Eigen::Vector2d> corners(int count);
   template <typename Keep>
   void keepIf(const Keep& keep);
+  void end(const std::vector<std::int64_t>& ids);
   void listTracks();
 
   TrackerOptions options;
@@ -95,6 +97,7 @@ struct Tracker::Impl {
   ImagePyramid current_;
   FieldMask mask_;  // kept over a restart: the lens is the same
   UsableArea usable_area_;
+  CarriedFeatures carried_;  // kept over a restart, as the mask
   FlowPrediction flow_;
   ZoomSearch zoom_search_;
   LocalMotion local_motion_;

@@ -100,6 +100,33 @@ TEST(Extended, GrowsToTheWholeSegmentAgain) {
   }
 }
 
+TEST(GivenUp, IsWhatHistoryCouldHoldAndDoesNot) {
+  for (const auto origin : {LandmarkOrigin::kAnchored, LandmarkOrigin::kInherited}) {
+    const SimulatedSegment made = sample(origin);
+    std::vector<int> index;
+    const Segment batch = prefixOf(made.segment, 10, 1, &index);
+    // What is in forgotten keyframes alone is not given up.
+    Segment history = newestKeyframes(made.segment, 8);
+    ASSERT_LT(history.landmarks.size(), made.segment.landmarks.size());
+    EXPECT_TRUE(givenUp(batch, history).empty());
+    // One that both hold, and that is seen often in the keyframes that they share.
+    int given_up = -1;
+    for (std::size_t l = 0; given_up < 0 && l < history.landmarks.size(); ++l) {
+      const std::int64_t id = history.landmarks[l].track_id;
+      const auto views = std::count_if(
+          batch.observations.begin(), batch.observations.end(), [&](const Observation& o) {
+            return batch.landmarks[o.landmark].track_id == id && o.keyframe >= 6;
+          });
+      if (views < 3) continue;
+      given_up = 0;
+      while (batch.landmarks[given_up].track_id != id) ++given_up;
+      removeLandmarks({static_cast<int>(l)}, &history);
+    }
+    ASSERT_GE(given_up, 0);
+    EXPECT_EQ(givenUp(batch, history), std::vector<int>{given_up});
+  }
+}
+
 TEST(Extended, KeepsWhatIsSolvedAndWhatHistoryForgot) {
   const SimulatedSegment made = sample(LandmarkOrigin::kInherited);
   std::vector<int> index;

@@ -87,5 +87,15 @@ TEST(RoughImages, MovingObjectsTextAndAutomaticExposure) {
   expectHonest(calibrate(video, rough));
 }
 
+// As a robot's arm does, over a third of the image.
+TEST(RoughImages, WhatTheCameraCarries) {
+  Roughness rough;
+  rough.name = "carried along";
+  rough.carried_share = 0.3;
+  RoughVideo video = smallVideo();
+  video.duration_s = 12.0;
+  expectHonest(calibrate(video, rough));
+}
+
 }  // namespace
 }  // namespace camera_self_calibration

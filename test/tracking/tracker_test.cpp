@@ -133,6 +133,40 @@ TEST(Tracker, FindsCoveredTracksAgain) {
   EXPECT_GT(after.size(), before.size() * 7 / 10);
 }
 
+// A part of the robot covers a corner of the image.
+TEST(Tracker, LeavesOutWhatTheCameraCarries) {
+  const auto onTheRobot = [](const Eigen::Vector2d& pixel) {
+    return pixel.x() < 120.0 && pixel.y() > 120.0;
+  };
+  const TestImage robot = still(99);
+  Tracker tracker{TrackerOptions()};
+  std::size_t at_first = 0, at_last = 0, carried = 0, scene = 0;
+  for (int i = 0; i < 30; ++i) {
+    std::mt19937_64 random(static_cast<std::uint64_t>(i) + 1);
+    TestImage image = renderer().render(Rigid3(expSo3({0.0, 0.02 * i, 0.0}), {}), {}, &random);
+    for (int y = 120; y < image.height; ++y) {
+      std::copy_n(robot.pixels.begin() + y * image.width, 120,
+                  image.pixels.begin() + y * image.width);
+    }
+    const TrackedFrame& frame = tracker.track(image.view(i));
+    carried += frame.carried.size();
+    for (const Track& track : tracker.detect()) {
+      if (i == 0) at_first += onTheRobot(track.pixel);
+    }
+    if (i < 29) continue;
+    for (const Track& track : frame.tracks) {
+      (onTheRobot(track.pixel) ? at_last : scene) += 1;
+    }
+  }
+  std::printf(
+      "on the robot: %zu tracks at first, %zu in the end, %zu found out; of the scene %zu\n",
+      at_first, at_last, carried, scene);
+  EXPECT_GT(at_first, 10u);
+  EXPECT_GT(carried, at_first * 9 / 10);
+  EXPECT_LT(at_last, 3u);
+  EXPECT_GT(scene, 60u);
+}
+
 // What is in one image alone, such as noise, begins no track.
 TEST(Tracker, BeginsNoTrackThatTheImageBeforeDoesNotShow) {
   TrackerOptions options;

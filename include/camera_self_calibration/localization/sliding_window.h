@@ -63,6 +63,9 @@ class SlidingWindow {
   /// pose, see movingTracks) or after; they are out of the map.
   std::vector<std::int64_t> addKeyframe(Keyframe keyframe, const std::vector<Track>& tracks);
 
+  /// Takes tracks out of the map that are not of the scene.
+  void forget(const std::vector<std::int64_t>& tracks) { map_.removePoints(tracks); }
+
   /// The rolling shutter's time between rows, which the map's pixels and those of frames to come
   /// are freed of [s].
   void setLineDelay(double line_delay_s) { map_.setLineDelay(line_delay_s, camera_.height()); }

@@ -24,6 +24,10 @@ void adoptPrefix(const Segment& prefix, const std::vector<int>& landmark_index, 
 /// ones there. An empty batch becomes all of history.
 Segment extended(const Segment& batch, const Segment& history, const Camera& camera);
 
+/// The landmarks of `batch` that `history`, a part of the map, no longer holds though it has at
+/// least two of the keyframes that see them: the map has given them up.
+std::vector<int> givenUp(const Segment& batch, const Segment& history);
+
 /// The keyframes with a `keep` other than 0, and the landmarks that are seen twice there. Depths
 /// and bearings that referred to another keyframe move on to the landmark's next one.
 Segment onlyKeyframes(const Segment& segment, const std::vector<char>& keep);

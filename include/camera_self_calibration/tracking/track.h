@@ -30,6 +30,8 @@ struct TrackedFrame {
   int width = 0;   ///< Of the image [px].
   int height = 0;  ///< Of the image [px].
   std::vector<Track> tracks;
+  /// Tracks that ended at this image because the camera carries along what they showed.
+  std::vector<std::int64_t> carried = {};
   ImageField field = {};  ///< What is dark in all images so far is no part of it.
 };
 
