@@ -12,27 +12,27 @@ namespace camera_self_calibration {
 MaskReading readMask(const std::string& url) {
   if (url.empty()) return {};
   const ResolvedPath resolved = resolvePath(url, "camera");
-  if (!resolved.error.empty()) return {std::nullopt, "mask_url: " + resolved.error};
+  if (!resolved.error.empty()) return {std::nullopt, resolved.error};
   const std::string& path = resolved.path;
   const FileContents file = readFile(path);
-  if (!file.exists) return {std::nullopt, "mask_url: there is no file " + path};
-  if (!file.error.empty()) return {std::nullopt, "mask_url: " + file.error};
+  if (!file.exists) return {std::nullopt, "there is no file " + path};
+  if (!file.error.empty()) return {std::nullopt, file.error};
   try {
     const cv::Mat bytes(1, static_cast<int>(file.bytes.size()), CV_8U,
                         const_cast<char*>(file.bytes.data()));
     const auto image = std::make_shared<cv::Mat>();
     if (!file.bytes.empty()) *image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
     if (image->empty()) {
-      return {std::nullopt, "mask_url '" + url + "' is no image that can be read (" + path + ")"};
+      return {std::nullopt, path + " is no image that can be read"};
     }
     if (cv::countNonZero(*image) == 0) {
-      return {std::nullopt, "the mask " + path + " is black all over: no feature would be allowed"};
+      return {std::nullopt, path + " is black all over: no feature would be allowed"};
     }
     return {ImageView{image, image->data, image->cols, image->rows,
                       static_cast<int>(image->step[0]), 0},
             {}};
   } catch (const std::exception& e) {
-    return {std::nullopt, "mask_url '" + url + "' cannot be read: " + e.what()};
+    return {std::nullopt, path + " cannot be read: " + e.what()};
   }
 }
 
@@ -40,9 +40,8 @@ std::string maskMisfit(const ImageView& mask, int width, int height) {
   constexpr double kTolerance = 0.01;
   const double shape = static_cast<double>(mask.width) * height / mask.height / width;
   if (std::abs(shape - 1.0) < kTolerance) return {};
-  return "the mask of mask_url is " + sizeText(mask.width, mask.height) +
-         " and does not fit images of " + sizeText(width, height) +
-         "; give one of the images' size, or of the same shape";
+  return "the mask is " + sizeText(mask.width, mask.height) + " and does not fit images of " +
+         sizeText(width, height) + "; give one of the images' size, or of the same shape";
 }
 
 }  // namespace camera_self_calibration

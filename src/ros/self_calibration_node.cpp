@@ -59,7 +59,7 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   }
   for (const std::string& problem : sameFileProblems(options_, name)) problems.push_back(problem);
   const MaskReading mask = readMask(options_.mask_url);
-  if (!mask.error.empty()) problems.push_back(mask.error);
+  if (!mask.error.empty()) problems.push_back("mask_url: " + mask.error);
   options_.pipeline.tracker.mask = mask.mask;
   if (mask.mask) monitor_.setMask(*mask.mask);
   if (!problems.empty()) {

@@ -162,6 +162,7 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   Progress progress(source->count);
   InputMonitor monitor;
   monitor.takeZeroAsTime();
+  if (options.tracker.mask) monitor.setMask(*options.tracker.mask);
   while (const std::optional<GrayImage> image = nextImage(source, extras, &recording)) {
     progress.advance();
     const InputVerdict verdict = monitor.check(ofSize(*image, monitor.width(), monitor.height()));

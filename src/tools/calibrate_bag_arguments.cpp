@@ -8,6 +8,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/ros/mask_file.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/results_folder.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
@@ -59,6 +60,9 @@ void addImagesAndResults(CalibrateBagArguments* arguments, po::options_descripti
     ("overwrite", po::bool_switch(&arguments->overwrite), "run again, and replace the file of --state-out")
     ("initial", po::value<std::string>(),
      "start values: a ROS calibration (YAML) or a YAML with model, width, height, params")
+    ("mask", po::value<std::string>(),
+     "image that is black where features are not allowed, such as parts of the robot that move or "
+     "cover half of the image")
     ("rate", po::value(&source.rate), "images per second of a folder (default 30) or video (default: its own times) [Hz]")
     ("start", po::value(&source.start_seconds), "skip this much of the beginning [s]")
     ("duration", po::value(&source.duration_seconds), "stop after this much [s]");
@@ -171,6 +175,12 @@ void setInitial(const std::string& file, Options* options) {
   options->initial_camera = camera;
 }
 
+void setMask(const std::string& file, TrackerOptions* options) {
+  const MaskReading reading = readMask(file);
+  if (!reading.mask) throw std::runtime_error("--mask: " + reading.error);
+  options->mask = reading.mask;
+}
+
 void checkSource(const SourceOptions& source) {
   if (source.path.empty()) {
     throw std::runtime_error("no bag, folder or video is given; see calibrate_bag --help");
@@ -201,7 +211,7 @@ void checkOptions(const Options& options) {
 
 /// A run removes the results of an earlier one; what it is to start from or to judge stays.
 void refuseResultsAsInput(const po::variables_map& given, const std::string& out) {
-  for (const char* option : {"initial", "audit", "reference-calibration", "ground-truth"}) {
+  for (const char* option : {"initial", "mask", "audit", "reference-calibration", "ground-truth"}) {
     if (given.count(option) == 0 || !liesIn(given[option].as<std::string>(), out)) continue;
     throw std::runtime_error(std::string("--") + option +
                              " names a file in the folder of --out, whose files a run replaces. "
@@ -240,8 +250,8 @@ void readRig(const po::variables_map& given, CalibrateBagArguments* arguments) {
     throw std::runtime_error(formatted("--baseline is %g; it must lie between %g and %g m",
                                        *rig.baseline_m, kShortestBaseline, kLongestBaseline));
   }
-  for (const char* option :
-       {"topic", "state-out", "camera", "initial", "reference-calibration", "audit-camera"}) {
+  for (const char* option : {"topic", "state-out", "camera", "initial", "mask",
+                             "reference-calibration", "audit-camera"}) {
     if (given.count(option) == 0) continue;
     throw std::runtime_error(std::string("--") + option + " is for one camera; leave it out, or " +
                              "leave out --topics");
@@ -308,6 +318,9 @@ std::optional<CalibrateBagArguments> parseCalibrateBagArguments(int argc, const 
   readComparisons(given, &arguments);
   arguments.extras.example = arguments.report;
   readRig(given, &arguments);
+  if (given.count("mask") > 0) {
+    setMask(given["mask"].as<std::string>(), &arguments.options.tracker);
+  }
   checkStateOut(arguments);
   checkOptions(arguments.options);
   return arguments;

@@ -25,7 +25,7 @@ bool UsableArea::contains(double x, double y, int margin) const {
   const int column = static_cast<int>(std::lround(x));
   const int row = static_cast<int>(std::lround(y));
   if (column < 0 || row < 0 || column >= distance_.cols || row >= distance_.rows) {
-    return false;
+    return true;  // a mask says nothing of what lies beside the image
   }
   return distance_.at<float>(row, column) > static_cast<float>(margin);
 }

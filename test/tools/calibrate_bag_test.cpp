@@ -173,6 +173,16 @@ TEST(CalibrateBag, AnotherSizeIsOneSentence) {
   EXPECT_TRUE(mentions(outcome, "10 images left out"));
 }
 
+TEST(CalibrateBag, AMaskOfAnotherShapeIsRefused) {
+  const TemporaryFolder folder;
+  cv::imwrite(folder / "mask.png", cv::Mat(64, 64, CV_8UC1, cv::Scalar(255)));
+  const Outcome outcome =
+      calibrateBag((converged().folder / "room.bag") + " --mask " + (folder / "mask.png"));
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_TRUE(mentions(outcome, "the mask is 64 x 64 and does not fit images of"))
+      << outcome.output;
+}
+
 // Of the same bag: what it says of a calibration.
 Outcome audit(const Camera& calibration, const std::string& options, const std::string& out) {
   const TemporaryFolder folder;
@@ -263,6 +273,13 @@ TEST(CalibrateBag, OptionsOfTheMethodReachIt) {
   const std::string reference = run("", "convergence.csv");
   EXPECT_GT(reference.size(), 1000u);
   EXPECT_NE(run("--exact-references", "convergence.csv"), reference);
+  const TemporaryFolder masks;
+  cv::Mat mask(30, 40, CV_8UC1, cv::Scalar(255));
+  cv::imwrite(masks / "white.png", mask);
+  mask.rowRange(15, 30).setTo(0);
+  cv::imwrite(masks / "half.png", mask);
+  EXPECT_EQ(run("--mask " + (masks / "white.png"), "convergence.csv"), reference);
+  EXPECT_NE(run("--mask " + (masks / "half.png"), "convergence.csv"), reference);
   // No pixel uncertainty is small enough here, so that only the entropy can hand over.
   const std::string never = "--converged-pixel-rms 0.0001";
   EXPECT_EQ(run(never, "summary.json").find("HANDOVER"), std::string::npos);
@@ -487,6 +504,8 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder.string() + " --alpha 2 --queue-segments 0", "alpha"},
       {folder.string() + " --alpha 2 --queue-segments 0", "- queue-segments is 0"},
       {folder.string() + " --initial " + (folder / "missing.yaml"), "cannot be opened"},
+      {folder.string() + " --mask " + (folder / "missing.png"), "--mask: there is no file"},
+      {folder.string() + " --topics /a /b --mask mask.png", "--mask is for one camera"},
       {folder.string() + " --speed 3", "--speed"},
       {folder.string() + " --rate=%value%", "holds %value%"},
       {folder.string() + " --%original_token%x=1", "holds %original_token%"},
