@@ -75,6 +75,7 @@ void Diagnostics::update(const FrameResult& result, std::int64_t dropped_images)
   const std::lock_guard<std::mutex> lock(mutex_);
   frame_ = result;
   dropped_ = dropped_images;
+  carried_ += static_cast<std::int64_t>(result.tracks.carried.size());
   ++interval_.frames;
   interval_.seconds_sum += result.processing_seconds;
   interval_.seconds_max = std::max(interval_.seconds_max, result.processing_seconds);
@@ -119,6 +120,7 @@ void Diagnostics::tracking(Status& status) {
   status.add("map_id", frame_.map_id);
   status.add("tracks", frame_.tracks.tracks.size());
   status.add("losses", losses_);
+  status.add("features left out, which moved with the camera", carried_);
   addEvent(tracking_event_, &status);
   if (silence() > kSilence) {
     status.summaryf(DiagnosticStatus::WARN, "No image for %.0f s: the pose is unknown.", silence());

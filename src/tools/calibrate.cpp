@@ -64,6 +64,7 @@ Callbacks recordInto(Recording* recording) {
     if (recording->frames++ == 0) recording->begin_ns = result.stamp_ns;
     recording->end_ns = result.stamp_ns;
     if (result.is_keyframe) ++recording->keyframes;
+    recording->carried += static_cast<std::int64_t>(result.tracks.carried.size());
     addPose(result, &recording->poses);
   };
   callbacks.calibration = [recording](const CalibrationReport& report) {

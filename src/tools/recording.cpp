@@ -225,6 +225,7 @@ Json summaryJson(const Recording& recording, const Json& extra) {
       {"pixel_uncertainty", errorJson(report.uncertainty)},
       {"frames", recording.frames},
       {"keyframes", recording.keyframes},
+      {"carried_features", recording.carried},
       {"processing_seconds", recording.processing_seconds},
       {"frames_per_second", rate},
       {"queue", {{"segments", report.queue.segments.size()}, {"swaps", report.queue.swaps}}},

@@ -82,6 +82,11 @@ std::string reportText(const Recording& recording) {
   text << std::setprecision(1) << "  " << recording.frames << " frames, " << recording.keyframes
        << " keyframes in " << recording.processing_seconds << " s ("
        << static_cast<double>(recording.frames) / recording.processing_seconds << " fps)\n";
+  if (recording.carried > 0) {
+    text << "  " << recording.carried
+         << " features moved with the camera (on the robot itself, or in "
+         << "letters over the image) and were left out\n";
+  }
   if (recording.audit) text << auditText(*recording.audit);
   return text.str();
 }

@@ -79,6 +79,15 @@ Recording recordingThatEnded(const CalibrationReport& live) {
   return recording;
 }
 
+TEST(Recording, SaysWhatMovedWithTheCamera) {
+  Recording recording = recordingThatEnded(liveReport(0.5));
+  EXPECT_EQ(reportText(recording).find("moved with the camera"), std::string::npos);
+  EXPECT_EQ(summaryJson(recording)["carried_features"], 0);
+  recording.carried = 57;
+  EXPECT_NE(reportText(recording).find("57 features moved with the camera"), std::string::npos);
+  EXPECT_EQ(summaryJson(recording)["carried_features"], 57);
+}
+
 TEST(AtTheEnd, TerminalFilesAndStateAgree) {
   const TemporaryFolder folder;
   for (const double rms : {0.5, 1.41}) {

@@ -78,6 +78,7 @@ class Diagnostics {
   std::optional<Event> tracking_event_;     // the newest of them
   std::optional<Event> calibration_event_;  // likewise
   std::int64_t losses_ = 0;
+  std::int64_t carried_ = 0;  // features, see CarriedFeatures
   std::int64_t dropped_ = 0;
   ros::WallTime last_image_;  // When the input was heard last; zero before.
   Interval interval_;

@@ -30,6 +30,7 @@ struct Recording {
   bool complete = true;        ///< False: stopped before the last image.
   std::int64_t frames = 0;     ///< Images processed.
   std::int64_t keyframes = 0;  ///< Among them.
+  std::int64_t carried = 0;    ///< Features that were left out, see CarriedFeatures.
   std::int64_t begin_ns = 0;   ///< First and last of them.
   std::int64_t end_ns = 0;
   double processing_seconds = 0.0;         ///< Wall time of the run, reading included [s].
