@@ -162,8 +162,10 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
             weak.hint};
   }
   if (evidence.keyframes < 2) {
-    return {CalibrationState::kWaitingForMotion, "the camera has not moved enough yet",
-            "move the camera"};
+    return {
+        CalibrationState::kWaitingForMotion, "the camera has not moved enough yet",
+        "move the camera; if it is moving, most features are on the robot itself: cover it with a "
+        "mask"};
   }
   if (evidence.model_misses) return startsUnderAWrongModel(evidence);
   if (evidence.keyframes >= kKeyframesToJudge &&
