@@ -176,6 +176,7 @@ void setInitial(const std::string& file, Options* options) {
 }
 
 void setMask(const std::string& file, TrackerOptions* options) {
+  if (file.empty()) throw std::runtime_error("--mask names no file");
   const MaskReading reading = readMask(file);
   if (!reading.mask) throw std::runtime_error("--mask: " + reading.error);
   options->mask = reading.mask;

@@ -23,10 +23,6 @@ std::size_t cellOf(const Eigen::Vector2d& pixel, const TrackedFrame& frame) {
   return static_cast<std::size_t>(y * kColumns + x);
 }
 
-bool moved(const Track& track, const Eigen::Vector2d& begin, const TrackedFrame& frame) {
-  return (track.pixel - begin).norm() >= kStep * frame.width;
-}
-
 cv::Point2f toPoint(const Eigen::Vector2d& pixel) {
   return {static_cast<float>(pixel.x()), static_cast<float>(pixel.y())};
 }
@@ -47,7 +43,10 @@ CarriedFeatures::History* CarriedFeatures::historyOf(const Track& track) {
 void CarriedFeatures::findSteps(const TrackedFrame& frame) {
   steps_.clear();
   for (const Track& track : frame.tracks) {
-    if (History* history = historyOf(track)) steps_.push_back({&track, history});
+    History* history = historyOf(track);
+    if (history == nullptr) continue;
+    const double length = (track.pixel - history->begin).norm();
+    steps_.push_back({&track, history, length >= kStep * frame.width});
   }
 }
 
@@ -71,7 +70,7 @@ bool CarriedFeatures::sceneMoved(const TrackedFrame& frame) const {
   for (const Step& step : steps_) {
     const std::size_t cell = cellOf(step.track->pixel, frame);
     with_tracks.set(cell);
-    if (moved(*step.track, step.history->begin, frame)) with_motion.set(cell);
+    if (step.moved) with_motion.set(cell);
   }
   return 2 * with_motion.count() > with_tracks.count();
 }
@@ -81,7 +80,7 @@ LocalMotion::Motion CarriedFeatures::sceneMotion(const TrackedFrame& frame) {
   from_.clear();
   to_.clear();
   for (const Step& step : steps_) {
-    if (!moved(*step.track, step.history->begin, frame)) continue;
+    if (!step.moved) continue;
     from_.push_back(toPoint(step.history->begin));
     to_.push_back(toPoint(step.track->pixel));
   }
@@ -100,18 +99,19 @@ std::vector<std::int64_t> CarriedFeatures::add(const TrackedFrame& frame) {
   }
   const LocalMotion::Motion motion = sceneMotion(frame);
   double length = 0.0;
-  for (const auto& [track, history] : steps_) {
+  for (const Step& step : steps_) {
+    const Track& track = *step.track;
+    History& history = *step.history;
     const Eigen::Vector2d scene =
-        motion.pixel + motion.linear * (history->begin - centreOf(frame)) - history->begin;
+        motion.pixel + motion.linear * (history.begin - centreOf(frame)) - history.begin;
     length = std::max(length, scene.norm());
-    history->scene += scene;
-    history->scene_extent = std::max(history->scene_extent, history->scene.norm());
-    history->own_extent =
-        std::max(history->own_extent, (track->pixel - track->reference_pixel).norm());
-    const double may_have_moved = history->own_extent + kSigmas * track->sigma;
-    if (may_have_moved > kStillShare * history->scene_extent) continue;
-    carried.push_back(track->id);
-    places_.push_back({track->pixel, path_ + kMemory * history->scene_extent});
+    history.scene += scene;
+    history.scene_extent = std::max(history.scene_extent, history.scene.norm());
+    history.own_extent = std::max(history.own_extent, (track.pixel - track.reference_pixel).norm());
+    const double may_have_moved = history.own_extent + kSigmas * track.sigma;
+    if (may_have_moved > kStillShare * history.scene_extent) continue;
+    carried.push_back(track.id);
+    places_.push_back({track.pixel, path_ + kMemory * history.scene_extent});
   }
   path_ += length;
   places_.erase(std::remove_if(places_.begin(), places_.end(),

@@ -505,6 +505,7 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder.string() + " --alpha 2 --queue-segments 0", "- queue-segments is 0"},
       {folder.string() + " --initial " + (folder / "missing.yaml"), "cannot be opened"},
       {folder.string() + " --mask " + (folder / "missing.png"), "--mask: there is no file"},
+      {folder.string() + " --mask ''", "--mask names no file"},
       {folder.string() + " --topics /a /b --mask mask.png", "--mask is for one camera"},
       {folder.string() + " --speed 3", "--speed"},
       {folder.string() + " --rate=%value%", "holds %value%"},

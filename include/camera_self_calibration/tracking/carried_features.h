@@ -41,6 +41,7 @@ class CarriedFeatures {
   struct Step {
     const Track* track;
     History* history;
+    bool moved;  // by the length of a step
   };
   struct Place {
     Eigen::Vector2d pixel;
