@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "camera_self_calibration/estimation/gate.h"
@@ -15,6 +16,7 @@
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/inverse_depth.h"
 #include "camera_self_calibration/map/segment_edit.h"
+#include "two_views.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -129,6 +131,93 @@ void solvePrefix(const GrowthOptions& options, Segment* prefix, Camera* camera) 
   restartRunawayDepths(options.max_inverse_depth_ratio, prefix);
 }
 
+// Keyframes that have grown so far, and what is known of them.
+struct Growth {
+  Segment segment;
+  Camera camera;
+  double cost = 0.0;
+
+  // All of them jointly, once the last one is placed.
+  void solve(const GrowthOptions& options);
+};
+
+void Growth::solve(const GrowthOptions& options) {
+  if (static_cast<int>(segment.keyframes.size()) <= kTellingKeyframes) {
+    solvePrefix(options, &segment, &camera);
+  }
+  std::vector<int> solved;
+  for (int round = 0; round < kGatingRounds; ++round) {
+    Part part = rigidPart(options, camera, &segment);
+    if (part.segment.observations.empty() || part.landmark_index == solved) break;
+    solvePrefix(options, &part.segment, &camera);
+    adoptPrefix(part.segment, part.landmark_index, &segment);
+    solved = std::move(part.landmark_index);
+  }
+  cost = robustCost(freeBlock(&segment, camera), camera, kHuberThreshold);
+}
+
+// What the first two keyframes both see.
+struct SharedLandmarks {
+  std::vector<int> index;
+  std::vector<RayPair> rays;
+};
+
+SharedLandmarks sharedByFirstTwo(const Segment& segment, const Camera& camera) {
+  SharedLandmarks shared;
+  for (const Observation& observation : segment.observations) {
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    if (observation.keyframe != 1 || landmark.reference != 0) continue;
+    const auto second = segment.cameraOf(1, camera).unproject(observation.pixel);
+    Eigen::Vector3d first;
+    if (!second || !landmarkRay(segment.cameraOf(0, camera), landmark, &first, nullptr)) continue;
+    shared.index.push_back(observation.landmark);
+    shared.rays.push_back({first, *second});
+  }
+  return shared;
+}
+
+// Pose and depths of the first two keyframes from their epipolar geometry, with the inverse depths
+// about 1; false where they have none.
+bool placeFromTwoViews(const Camera& camera, Segment* segment) {
+  const SharedLandmarks shared = sharedByFirstTwo(*segment, camera);
+  const double focal = camera.parameters().head<2>().minCoeff();
+  const auto views = relateViews(shared.rays, kGrossShare * camera.width() / focal);
+  if (!views) return false;
+  std::vector<double> triangulated;
+  for (const double inverse_depth : views->inverse_depths) {
+    if (inverse_depth > 0.0) triangulated.push_back(inverse_depth);
+  }
+  const double typical = typicalInverseDepth(std::move(triangulated));
+  for (std::size_t i = 0; i < shared.index.size(); ++i) {
+    const double inverse_depth = views->inverse_depths[i];
+    if (inverse_depth > 0.0) {
+      segment->landmarks[shared.index[i]].inverse_depth = inverse_depth / typical;
+    }
+  }
+  Rigid3 second_from_first = views->second_from_first;
+  second_from_first.translation *= typical;
+  segment->keyframes[1].world_from_camera =
+      segment->keyframes[0].world_from_camera * second_from_first.inverse();
+  return true;
+}
+
+// The same keyframes from another beginning: where depths differ much, as in driving, no motion and
+// equal depths are too far from the solution.
+std::optional<Growth> grownFromTwoViews(const GrowthOptions& options, Growth growth) {
+  forget(growth.camera, &growth.segment);
+  if (!placeFromTwoViews(growth.camera, &growth.segment)) return std::nullopt;
+  const int last = static_cast<int>(growth.segment.keyframes.size()) - 1;
+  for (int k = 1; k < last; ++k) {
+    std::vector<int> landmark_index;
+    Growth part{prefixOf(growth.segment, k + 1, 1, &landmark_index), growth.camera};
+    part.solve(options);
+    adoptPrefix(part.segment, landmark_index, &growth.segment);
+    placeKeyframe(k + 1, growth.camera, &growth.segment);
+  }
+  growth.solve(options);
+  return growth;
+}
+
 }  // namespace
 
 bool ranAway(const Camera& camera) {
@@ -141,19 +230,14 @@ bool ranAway(const Camera& camera) {
 double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera) {
   placeKeyframe(k, *camera, segment);
   std::vector<int> landmark_index;
-  Segment grown = prefixOf(*segment, k + 1, 1, &landmark_index);
-  if (grown.observations.empty()) return std::numeric_limits<double>::infinity();
-  if (k < kTellingKeyframes) solvePrefix(options, &grown, camera);
-  std::vector<int> solved;
-  for (int round = 0; round < kGatingRounds; ++round) {
-    Part part = rigidPart(options, *camera, &grown);
-    if (part.segment.observations.empty() || part.landmark_index == solved) break;
-    solvePrefix(options, &part.segment, camera);
-    adoptPrefix(part.segment, part.landmark_index, &grown);
-    solved = std::move(part.landmark_index);
-  }
-  adoptPrefix(grown, landmark_index, segment);
-  return robustCost(freeBlock(&grown, *camera), *camera, kHuberThreshold);
+  Growth grown{prefixOf(*segment, k + 1, 1, &landmark_index), *camera};
+  if (grown.segment.observations.empty()) return std::numeric_limits<double>::infinity();
+  auto other = k == kTellingKeyframes ? grownFromTwoViews(options, grown) : std::nullopt;
+  grown.solve(options);
+  if (other && other->cost < grown.cost) grown = *std::move(other);
+  *camera = grown.camera;
+  adoptPrefix(grown.segment, landmark_index, segment);
+  return grown.cost;
 }
 
 double bootstrap(const GrowthOptions& options, Segment* segment, Camera* camera,

@@ -11,6 +11,7 @@
 
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
+#include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/queue/segment_fit.h"
 #include "camera_self_calibration/startup/growth.h"
@@ -191,6 +192,71 @@ TEST(GrowByKeyframe, BearsWhatCannotBePredicted) {
   for (const Keyframe& keyframe : segment.keyframes) {
     EXPECT_TRUE(keyframe.world_from_camera.translation.allFinite());
   }
+}
+
+// A car that drives ahead, a meter and a small turn from keyframe to keyframe, between points
+// beside its way: their depths differ by a factor of twenty.
+SimulatedSegment driving(std::uint64_t seed) {
+  constexpr int kKeyframes = 6;
+  constexpr int kPointsAhead = 60;  // of each keyframe
+  const Eigen::AlignedBox2d image(Eigen::Vector2d::Zero(), Eigen::Vector2d(1241.0, 374.0));
+  Random random(seed);
+  SimulatedSegment made;
+  made.camera = Camera::defaultGuess(CameraModel::kPinhole, 1242, 375);
+  Rigid3 pose;
+  for (int k = 0; k < kKeyframes; ++k) {
+    Keyframe keyframe;
+    keyframe.id = k;
+    keyframe.stamp_ns = k * 100'000'000;
+    keyframe.world_from_camera = pose;
+    made.segment.keyframes.push_back(keyframe);
+    pose = pose * Rigid3(Eigen::Quaterniond(expSo3(0.01 * random.normal3())),
+                         Eigen::Vector3d(0.0, 0.0, 1.0) + 0.02 * random.normal3());
+  }
+  for (int l = 0; l < kKeyframes * kPointsAhead; ++l) {
+    Landmark landmark;
+    landmark.track_id = l;
+    landmark.reference = l / kPointsAhead;
+    landmark.reference_pixel = {random.uniform(20.0, 1220.0), random.uniform(20.0, 355.0)};
+    const auto ray = made.camera.unproject(landmark.reference_pixel);
+    const double distance = 3.0 * std::pow(20.0, random.uniform(0.0, 1.0));
+    landmark.bearing = *ray;
+    landmark.inverse_depth = 1.0 / distance;
+    const Eigen::Vector3d point =
+        made.segment.keyframes[landmark.reference].world_from_camera * (distance * *ray);
+    int views = 0;
+    for (int k = landmark.reference + 1; k < std::min(kKeyframes, landmark.reference + 4); ++k) {
+      Observation observation;
+      observation.landmark = static_cast<int>(made.segment.landmarks.size());
+      observation.keyframe = k;
+      observation.sigma = 0.2;
+      if (!made.camera.project(made.segment.keyframes[k].world_from_camera.inverse() * point,
+                               &observation.pixel) ||
+          !image.contains(observation.pixel)) {
+        break;
+      }
+      observation.pixel += 0.2 * random.normal2();
+      made.segment.observations.push_back(observation);
+      ++views;
+    }
+    if (views > 0) made.segment.landmarks.push_back(landmark);
+  }
+  return made;
+}
+
+TEST(Bootstrap, BeginsWhileDrivingPastWhatIsNearAndFar) {
+  int right = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const SimulatedSegment made = driving(seed);
+    Camera camera = Camera::defaultGuess(CameraModel::kPinhole, 1242, 375);
+    GrowthOptions options;
+    options.prior = vaguePrior(camera);
+    Segment segment = forgotten(made.segment, camera);
+    const double cost = bootstrap(options, &segment, &camera);
+    // A residual of two coordinates costs 1 on average.
+    right += cost < 2.0 * static_cast<double>(segment.observations.size());
+  }
+  EXPECT_EQ(right, 20);
 }
 
 TEST(Bootstrap, GivesUpOnceTheCostIsAboveWhatIsNeeded) {

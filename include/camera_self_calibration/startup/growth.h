@@ -22,7 +22,8 @@ bool ranAway(const Camera& camera);
 /// One step of growing a solution: keyframe `k` starts at the pose of the one before, landmarks
 /// that appear there at the median depth; its pose is solved alone, then all keyframes up to it
 /// jointly, the intrinsics among them if there are enough. Depths that run away (not positive, or
-/// far above the median) start over. Returns the robust cost.
+/// far above the median) start over. The first four keyframes are also grown from the epipolar
+/// geometry of the first two, and the solution of less cost stays. Returns the robust cost.
 double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera);
 
 /// Solves a segment from no knowledge but `camera`'s guess, keyframe by keyframe (all poses and

@@ -1,0 +1,64 @@
+#include "two_views.h"
+
+#include <algorithm>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/core.hpp>
+
+namespace camera_self_calibration {
+namespace {
+
+constexpr double kConfidence = 0.999;
+constexpr int kFewest = 8;
+constexpr double kMinZ =
+    0.2;  // of a unit ray: 78 degrees off the axis; beyond, a plane is far from even
+
+cv::Point2d onPlane(const Eigen::Vector3d& ray) { return {ray.x() / ray.z(), ray.y() / ray.z()}; }
+
+// Least squares for second x (R first + rho t) = 0.
+double inverseDepth(const RayPair& pair, const Rigid3& second_from_first) {
+  const Eigen::Vector3d far = pair.second.cross(second_from_first.rotation * pair.first);
+  const Eigen::Vector3d near = pair.second.cross(second_from_first.translation);
+  const double square = near.squaredNorm();
+  return square > 0.0 ? -far.dot(near) / square : 0.0;
+}
+
+Rigid3 poseOf(const cv::Mat& rotation, const cv::Mat& translation) {
+  Eigen::Matrix3d r;
+  Eigen::Vector3d t;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) r(i, j) = rotation.at<double>(i, j);
+    t(i) = translation.at<double>(i);
+  }
+  return {Eigen::Quaterniond(r).normalized(), t.normalized()};
+}
+
+}  // namespace
+
+std::optional<TwoViews> relateViews(const std::vector<RayPair>& pairs, double tolerance) {
+  std::vector<cv::Point2d> first, second;
+  std::vector<std::size_t> index;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (pairs[i].first.z() < kMinZ || pairs[i].second.z() < kMinZ) continue;
+    first.push_back(onPlane(pairs[i].first));
+    second.push_back(onPlane(pairs[i].second));
+    index.push_back(i);
+  }
+  if (static_cast<int>(index.size()) < kFewest) return std::nullopt;
+  const cv::Mat unit = cv::Mat::eye(3, 3, CV_64F);
+  cv::Mat inliers, rotation, translation;
+  const cv::Mat essential =
+      cv::findEssentialMat(first, second, unit, cv::RANSAC, kConfidence, tolerance, inliers);
+  if (essential.rows != 3 || essential.cols != 3) return std::nullopt;
+  const int agreeing =
+      cv::recoverPose(essential, first, second, unit, rotation, translation, inliers);
+  if (agreeing < kFewest) return std::nullopt;
+  TwoViews views{poseOf(rotation, translation), std::vector<double>(pairs.size(), 0.0)};
+  for (std::size_t i = 0; i < index.size(); ++i) {
+    if (inliers.at<unsigned char>(static_cast<int>(i)) == 0) continue;
+    views.inverse_depths[index[i]] =
+        std::max(0.0, inverseDepth(pairs[index[i]], views.second_from_first));
+  }
+  return views;
+}
+
+}  // namespace camera_self_calibration
