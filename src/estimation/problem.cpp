@@ -6,6 +6,12 @@
 namespace camera_self_calibration {
 namespace {
 
+// Of the first `count` parameters, how many have a prior.
+int knownCount(const IntrinsicsPrior& prior, int count) {
+  return std::min(
+      {count, static_cast<int>(prior.mean.size()), static_cast<int>(prior.sigma.size())});
+}
+
 bool knowsAspect(const IntrinsicsPrior& prior, int count) {
   return prior.aspect_sigma > 0.0 && count >= 2;
 }
@@ -32,7 +38,7 @@ double DepthPrior::cost(const Segment& segment) const {
 }
 
 double IntrinsicsPrior::cost(const Intrinsics& parameters, int count) const {
-  const int known = std::min(count, static_cast<int>(mean.size()));
+  const int known = knownCount(*this, count);
   const double sum =
       (mean.head(known) - parameters.head(known)).cwiseQuotient(sigma.head(known)).squaredNorm();
   if (!knowsAspect(*this, count)) return 0.5 * sum;
@@ -42,7 +48,7 @@ double IntrinsicsPrior::cost(const Intrinsics& parameters, int count) const {
 
 Intrinsics IntrinsicsPrior::gradient(const Intrinsics& parameters, int count) const {
   Intrinsics result = Intrinsics::Zero(count);
-  const int known = std::min(count, static_cast<int>(mean.size()));
+  const int known = knownCount(*this, count);
   result.head(known) =
       (mean.head(known) - parameters.head(known)).cwiseQuotient(sigma.head(known).cwiseAbs2());
   if (knowsAspect(*this, count)) {
@@ -54,7 +60,7 @@ Intrinsics IntrinsicsPrior::gradient(const Intrinsics& parameters, int count) co
 
 IntrinsicsMatrix IntrinsicsPrior::information(const Intrinsics& parameters, int count) const {
   IntrinsicsMatrix result = IntrinsicsMatrix::Zero(count, count);
-  const int known = std::min(count, static_cast<int>(sigma.size()));
+  const int known = knownCount(*this, count);
   result.diagonal().head(known) = sigma.head(known).cwiseAbs2().cwiseInverse();
   if (knowsAspect(*this, count)) {
     const Eigen::Vector2d row = aspectRow(parameters, aspect_sigma);

@@ -139,6 +139,8 @@ struct Growth {
 
   // All of them jointly, once the last one is placed.
   void solve(const GrowthOptions& options);
+  // A residual of two coordinates costs 1 on average.
+  bool fits() const { return cost < static_cast<double>(segment.observations.size()); }
 };
 
 void Growth::solve(const GrowthOptions& options) {
@@ -232,9 +234,12 @@ double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Cam
   std::vector<int> landmark_index;
   Growth grown{prefixOf(*segment, k + 1, 1, &landmark_index), *camera};
   if (grown.segment.observations.empty()) return std::numeric_limits<double>::infinity();
-  auto other = k == kTellingKeyframes ? grownFromTwoViews(options, grown) : std::nullopt;
+  const Growth placed = k == kTellingKeyframes ? grown : Growth();
   grown.solve(options);
-  if (other && other->cost < grown.cost) grown = *std::move(other);
+  if (k == kTellingKeyframes && !grown.fits()) {
+    auto other = grownFromTwoViews(options, placed);
+    if (other && other->cost < grown.cost) grown = *std::move(other);
+  }
   *camera = grown.camera;
   adoptPrefix(grown.segment, landmark_index, segment);
   return grown.cost;

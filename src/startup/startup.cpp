@@ -343,6 +343,7 @@ void Startup::considerK3(const Segment& gated) {
   without.solve();
   if (!demandsK3(without, with)) return;
   camera_ = with.camera;
+  options_.growth.prior = vaguePrior(camera_);  // k3 has one too
   setInformation(with.fit.marginal);
 }
 

@@ -240,6 +240,17 @@ TEST(IntrinsicsPrior, GradientIsThatOfItsCost) {
   EXPECT_EQ(IntrinsicsPrior().cost(camera.parameters(), 5), 0.0);
 }
 
+// As when k3 joins.
+TEST(IntrinsicsPrior, KnowsNothingOfParametersWithoutASigma) {
+  const IntrinsicsPrior prior{Intrinsics::Constant(9, 0.1), Intrinsics::Constant(8, 0.5)};
+  const IntrinsicsPrior same{Intrinsics::Constant(8, 0.1), Intrinsics::Constant(8, 0.5)};
+  const Intrinsics parameters = Intrinsics::Constant(9, 0.3);
+  EXPECT_EQ(prior.cost(parameters, 9), same.cost(parameters, 9));
+  EXPECT_EQ(prior.gradient(parameters, 9), same.gradient(parameters, 9));
+  EXPECT_EQ(prior.gradient(parameters, 9)(8), 0.0);
+  EXPECT_EQ(prior.information(parameters, 9)(8, 8), 0.0);
+}
+
 TEST(IntrinsicsPrior, AspectKnowsNothingOfTheFocalLength) {
   const IntrinsicsPrior prior{{}, {}, 0.2};
   const Intrinsics square = Eigen::Vector4d(300.0, 300.0, 320.0, 240.0);
