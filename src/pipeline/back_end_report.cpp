@@ -61,6 +61,8 @@ HealthVerdict verdictOn(const BackEndState& state, double converged_rms, Calibra
   if (by_queue) evidence.blind_below_px = state.known.cross_validation.blindBelowPx();
   evidence.epoch = state.counters.epoch;
   evidence.obstacle = state.obstacle;
+  evidence.segments_disagree =
+      !state.obstacle.empty() && state.queue.solution().scatter.birgeRatio() > kMaxBirgeRatio;
   // Where the model is chosen, a better one follows by itself.
   if (fit.better.empty() || !state.chooses_model) {
     evidence.model_misses =

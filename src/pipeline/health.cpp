@@ -105,13 +105,20 @@ HealthVerdict startsUnderAWrongModel(const HealthEvidence& evidence) {
           adviceOn(evidence.better_model)};
 }
 
+std::string orUseAuto(const HealthEvidence& evidence) {
+  return evidence.model_was_given ? "; if this stays, the lens model may be wrong: use auto" : "";
+}
+
+// What segments say that disagree is enough, but not right.
+std::string onDisagreement(const HealthEvidence& evidence) {
+  return "move more slowly, and keep what moves by itself out of view" + orUseAuto(evidence);
+}
+
 HealthVerdict degenerate(const HealthEvidence& evidence, const WeakDirection& weak) {
   return {CalibrationState::kDegenerate,
           "the motion so far does not determine the intrinsics; least known: " + weak.name +
               ", which keeps its last value",
-          weak.hint + (evidence.model_was_given
-                           ? "; if this stays, the lens model may be wrong: use auto"
-                           : "")};
+          weak.hint + orUseAuto(evidence)};
 }
 
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
@@ -125,7 +132,8 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
     sentence += ", least known: " + weak.name;
   }
   if (!evidence.obstacle.empty()) sentence += "; " + evidence.obstacle;
-  return {CalibrationState::kInitializing, sentence, weak.hint};
+  return {CalibrationState::kInitializing, sentence,
+          evidence.segments_disagree ? onDisagreement(evidence) : weak.hint};
 }
 
 }  // namespace

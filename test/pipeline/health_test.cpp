@@ -52,6 +52,22 @@ TEST(Health, InitializesUntilHandover) {
   EXPECT_FALSE(verdict.hint.empty());
 }
 
+// They say enough; that they contradict each other is no matter of axes.
+TEST(Health, WhereSegmentsDisagreeNoTurnIsAskedFor) {
+  HealthEvidence disagreeing = evidence(20, false, 0.3);
+  disagreeing.obstacle = "the segments disagree";
+  const auto hint = [&] {
+    return judgeHealth(disagreeing, kCamera, CalibrationState::kInitializing).hint;
+  };
+  const std::string before = hint();
+  disagreeing.segments_disagree = true;
+  EXPECT_NE(hint(), before);
+  EXPECT_NE(hint().find("slowly"), std::string::npos) << hint();
+  EXPECT_EQ(hint().find("auto"), std::string::npos) << hint();
+  disagreeing.model_was_given = true;
+  EXPECT_NE(hint().find("use auto"), std::string::npos) << hint();
+}
+
 // As good as it looks, but a single stretch of the video says so: an error of it would not show.
 TEST(Health, AnEstimateThatNothingChecksIsNotConverged) {
   HealthEvidence alone = evidence(20, true, 0.8);

@@ -31,6 +31,8 @@ struct HealthEvidence {
   double blind_below_px = 0.0;   ///< CrossValidation::blindBelowPx.
   std::uint64_t epoch = 0;       ///< How often the lens changed so far.
   std::string obstacle;          ///< Why there was no hand-over yet, in words; may be empty.
+  /// The queue's segments, by more than is accepted: more of the same motion does not help.
+  bool segments_disagree = false;
   /// The model in use misses the lens: beyond chance before hand-over, by more than its noise after
   /// it; and no other takes over by itself.
   bool model_misses = false;
