@@ -236,7 +236,7 @@ double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Cam
   if (grown.segment.observations.empty()) return std::numeric_limits<double>::infinity();
   const Growth placed = k == kTellingKeyframes ? grown : Growth();
   grown.solve(options);
-  if (k == kTellingKeyframes && !grown.fits()) {
+  if (k == kTellingKeyframes && options.two_views && !grown.fits()) {
     auto other = grownFromTwoViews(options, placed);
     if (other && other->cost < grown.cost) grown = *std::move(other);
   }

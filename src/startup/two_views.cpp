@@ -9,8 +9,8 @@ namespace {
 
 constexpr double kConfidence = 0.999;
 constexpr int kFewest = 8;
-constexpr double kMinZ =
-    0.2;  // of a unit ray: 78 degrees off the axis; beyond, a plane is far from even
+// Of a unit ray: 78 degrees off the axis, beyond which noise on a plane grows without bound.
+constexpr double kMinZ = 0.2;
 
 cv::Point2d onPlane(const Eigen::Vector3d& ray) { return {ray.x() / ray.z(), ray.y() / ray.z()}; }
 
