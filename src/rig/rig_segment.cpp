@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <map>
 
+#include "camera_self_calibration/map/inverse_depth.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -20,25 +22,19 @@ std::map<std::int64_t, Sightings> sightingsOf(const std::vector<RigFrame>& frame
   return by_track;
 }
 
-// The inverse depth for which the rays meet best: each other view asks for
-// `ray x (R_i^T (R_r d + rho (t_r - t_i))) = 0`, linear in rho.
 double triangulated(const Segment& segment, const Landmark& landmark, const Sightings& sightings,
                     const Camera& camera) {
   const Rigid3& reference = segment.keyframes[landmark.reference].world_from_camera;
-  double product = 0.0;
-  double square = 0.0;
+  RayIntersection rays;
   for (const auto& [view, track] : sightings) {
     const auto ray = camera.unproject(track->pixel);
     if (view == landmark.reference || !ray) continue;
     const Rigid3& pose = segment.keyframes[view].world_from_camera;
     const Eigen::Matrix3d from_world = pose.rotation.conjugate().toRotationMatrix();
-    const Eigen::Vector3d far = ray->cross(from_world * (reference.rotation * landmark.bearing));
-    const Eigen::Vector3d by_depth =
-        ray->cross(from_world * (reference.translation - pose.translation));
-    product += by_depth.dot(far);
-    square += by_depth.squaredNorm();
+    rays.add(*ray, from_world * (reference.rotation * landmark.bearing),
+             from_world * (reference.translation - pose.translation));
   }
-  return square > 0.0 ? -product / square : 0.0;
+  return rays.inverseDepth();
 }
 
 void addLandmark(std::int64_t track_id, const Sightings& sightings, const Camera& camera,

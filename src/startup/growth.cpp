@@ -203,8 +203,8 @@ bool placeFromTwoViews(const Camera& camera, Segment* segment) {
   return true;
 }
 
-// The same keyframes from another beginning: where depths differ much, as in driving, no motion and
-// equal depths are too far from the solution.
+// The same keyframes from another beginning, all that was known of them forgotten: where depths
+// differ much, as in driving, no motion and equal depths are too far from the solution.
 std::optional<Growth> grownFromTwoViews(const GrowthOptions& options, Growth growth) {
   forget(growth.camera, &growth.segment);
   if (!placeFromTwoViews(growth.camera, &growth.segment)) return std::nullopt;
@@ -234,10 +234,9 @@ double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Cam
   std::vector<int> landmark_index;
   Growth grown{prefixOf(*segment, k + 1, 1, &landmark_index), *camera};
   if (grown.segment.observations.empty()) return std::numeric_limits<double>::infinity();
-  const Growth placed = k == kTellingKeyframes ? grown : Growth();
   grown.solve(options);
   if (k == kTellingKeyframes && options.two_views && !grown.fits()) {
-    auto other = grownFromTwoViews(options, placed);
+    auto other = grownFromTwoViews(options, {grown.segment, *camera});
     if (other && other->cost < grown.cost) grown = *std::move(other);
   }
   *camera = grown.camera;

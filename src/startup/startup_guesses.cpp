@@ -89,7 +89,7 @@ Startup::Trial Startup::tryGuess(const Camera& guess) const {
               : std::numeric_limits<double>::infinity();
   GrowthOptions growth = options_.growth;
   growth.prior = vaguePrior(guess);
-  growth.two_views = false;  // many guesses, twice the cost; the one that is adopted may still err
+  growth.two_views = false;  // it would double the cost of every guess
   trial.camera = guess;
   const double needed = kClearlyLess * present;
   trial.cost = bootstrap(growth, &trial.segment, &trial.camera, needed);

@@ -4,6 +4,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 
+#include "camera_self_calibration/map/inverse_depth.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -14,12 +16,10 @@ constexpr double kMinZ = 0.2;
 
 cv::Point2d onPlane(const Eigen::Vector3d& ray) { return {ray.x() / ray.z(), ray.y() / ray.z()}; }
 
-// Least squares for second x (R first + rho t) = 0.
 double inverseDepth(const RayPair& pair, const Rigid3& second_from_first) {
-  const Eigen::Vector3d far = pair.second.cross(second_from_first.rotation * pair.first);
-  const Eigen::Vector3d near = pair.second.cross(second_from_first.translation);
-  const double square = near.squaredNorm();
-  return square > 0.0 ? -far.dot(near) / square : 0.0;
+  RayIntersection rays;
+  rays.add(pair.second, second_from_first.rotation * pair.first, second_from_first.translation);
+  return rays.inverseDepth();
 }
 
 Rigid3 poseOf(const cv::Mat& rotation, const cv::Mat& translation) {

@@ -34,6 +34,25 @@ inline double inverseDistance(const WorldPoint& point, const Eigen::Vector3d& ob
 double transferInverseDepth(const Rigid3& world_from_anchor, const Eigen::Vector3d& ray,
                             double inverse_depth, const Rigid3& world_from_other);
 
+/// Linear triangulation: the inverse depth for which the rays to a point meet best. Each ray `seen`
+/// of another camera asks for `seen x (rotated + rho translation) = 0`, with the point's own ray
+/// and its camera's position as that camera sees them (eq. 1).
+class RayIntersection {
+ public:
+  void add(const Eigen::Vector3d& seen, const Eigen::Vector3d& rotated,
+           const Eigen::Vector3d& translation) {
+    const Eigen::Vector3d by_depth = seen.cross(translation);
+    product_ += by_depth.dot(seen.cross(rotated));
+    square_ += by_depth.squaredNorm();
+  }
+  /// 0 where no ray tells it [1/map unit].
+  double inverseDepth() const { return square_ > 0.0 ? -product_ / square_ : 0.0; }
+
+ private:
+  double product_ = 0.0;
+  double square_ = 0.0;
+};
+
 /// Median size of inverse depths [1/map unit], positive; 1 if there are none. In rotation on the
 /// spot half of them may be negative: a median that loses its sign would let the scale run away.
 double typicalInverseDepth(std::vector<double> inverse_depths);
