@@ -13,6 +13,11 @@
 namespace camera_self_calibration {
 namespace {
 
+// Shares of a cost: where it is plain which of several starts leads to the best fit, and where the
+// parameters are within 3e-5 of what the fit leaves over.
+constexpr double kToldApart = 1e-3;
+constexpr double kSettled = 1e-9;
+
 // Sum of squares [px^2] over the grid; a ray that the camera cannot project counts as an error of
 // the image's size, so that the fit does not improve by refusing rays.
 double cost(const Camera& camera, const std::vector<PixelRay>& grid) {
@@ -44,8 +49,9 @@ NormalEquations linearise(const Camera& camera, const std::vector<PixelRay>& gri
   return normal;
 }
 
-// Levenberg-Marquardt over all parameters; returns the final cost.
-double refine(const std::vector<PixelRay>& grid, Camera* camera) {
+// Levenberg-Marquardt over all parameters, until a step gains less than this share of the cost;
+// returns the final cost.
+double refine(const std::vector<PixelRay>& grid, double least_gain, Camera* camera) {
   double current = cost(*camera, grid);
   double damping = 1e-4;
   NormalEquations normal = linearise(*camera, grid);
@@ -57,7 +63,7 @@ double refine(const std::vector<PixelRay>& grid, Camera* camera) {
     candidate.setParameters(camera->parameters() - h.ldlt().solve(normal.g));
     const double next = candidate.valid() ? cost(candidate, grid) : current;
     if (next < current) {
-      const bool done = current - next < 1e-12 * current;
+      const bool done = current - next < least_gain * current;
       *camera = candidate;
       current = next;
       damping = std::max(0.1 * damping, 1e-15);
@@ -93,13 +99,14 @@ std::optional<CameraFit> bestFit(const std::vector<PixelRay>& grid, std::vector<
   std::optional<Camera> best;
   double best_cost = std::numeric_limits<double>::infinity();
   for (Camera& camera : from) {
-    const double c = refine(grid, &camera);
+    const double c = refine(grid, kToldApart, &camera);
     if (c < best_cost) {
       best = camera;
       best_cost = c;
     }
   }
   if (!best) return std::nullopt;
+  refine(grid, kSettled, &*best);
   return CameraFit{*best, directDistance(*best, grid)};
 }
 
