@@ -223,8 +223,9 @@ double DogLeg::apply() {
 }
 
 // After newton_: at most as far as it, and where steps shrink by half or more each time, what is
-// left of their geometric series.
+// left of their geometric series. Held intrinsics say nothing of how far the rest has to go.
 double DogLeg::intrinsicsToGo() const {
+  if (count_ == 0) return std::numeric_limits<double>::infinity();
   const double ratio = intrinsics_step_ / last_intrinsics_step_;
   return ratio < 0.5 ? intrinsics_step_ * ratio / (1.0 - ratio) : intrinsics_step_;
 }

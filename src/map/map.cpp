@@ -135,12 +135,12 @@ Segment Map::segmentOf(int first, int end, const Camera& camera) const {
   if (first >= end) return segment;
   segment.keyframes.assign(keyframes_.begin() + first, keyframes_.begin() + end);
   segment.sequence = segment.keyframes.back().id;
-  segment.earlier_camera = earlier_camera_;
   std::map<std::int64_t, int> index;  // keyframe id to index in the segment
   for (std::size_t k = 0; k < segment.keyframes.size(); ++k) {
     if (earlier_camera_) segment.earlier_keyframes += segment.keyframes[k].stamp_ns < change_ns_;
     index[segment.keyframes[k].id] = static_cast<int>(k);
   }
+  if (segment.earlier_keyframes > 0) segment.earlier_camera = earlier_camera_;
   for (const auto& [track_id, point] : points_) {
     const auto begin = std::find_if(
         point.sightings.begin(), point.sightings.end(),

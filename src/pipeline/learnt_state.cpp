@@ -75,9 +75,11 @@ void write(const Candidate& candidate, ByteWriter* out) {
   writeList(candidate.segment.keyframes, out);
   writeList(candidate.segment.landmarks, out);
   writeList(candidate.segment.observations, out);
-  const bool changed = candidate.segment.earlier_camera != nullptr;
-  out->integer(changed ? static_cast<std::uint64_t>(candidate.segment.earlier_keyframes) : 0);
-  if (changed) write(*candidate.segment.earlier_camera, out);
+  // After a change of the lens a segment knows of the earlier one, though it begins behind it.
+  const bool spans_change =
+      candidate.segment.earlier_camera != nullptr && candidate.segment.earlier_keyframes > 0;
+  out->integer(spans_change ? static_cast<std::uint64_t>(candidate.segment.earlier_keyframes) : 0);
+  if (spans_change) write(*candidate.segment.earlier_camera, out);
   write(candidate.camera, out);
   out->matrix(candidate.information);
   for (const double value :

@@ -5,13 +5,14 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kLevel = 2;     // Of the pyramid.
+constexpr int kLevel = 2;     // Of the pyramid; small images have fewer.
 constexpr int kDarkest = 32;  // [gray] Nothing brighter is counted as dark.
 
 }  // namespace
 
 void FieldMask::add(const ImagePyramid& image) {
-  const cv::Mat& level = image.level(std::min(kLevel, image.levels() - 1));
+  level_ = std::min(kLevel, image.levels() - 1);
+  const cv::Mat& level = image.level(level_);
   if (brightest_.size() != level.size()) {
     level.copyTo(brightest_);
   } else {
@@ -40,10 +41,10 @@ void FieldMask::update() {
 
 bool FieldMask::touches(int x, int y, int radius) const {
   if (dark_.empty()) return false;
-  const int x1 = std::min((x + radius) >> kLevel, dark_.cols - 1);
-  const int y1 = std::min((y + radius) >> kLevel, dark_.rows - 1);
-  for (int row = std::max(0, (y - radius) >> kLevel); row <= y1; ++row) {
-    for (int column = std::max(0, (x - radius) >> kLevel); column <= x1; ++column) {
+  const int x1 = std::min((x + radius) >> level_, dark_.cols - 1);
+  const int y1 = std::min((y + radius) >> level_, dark_.rows - 1);
+  for (int row = std::max(0, (y - radius) >> level_); row <= y1; ++row) {
+    for (int column = std::max(0, (x - radius) >> level_); column <= x1; ++column) {
       if (dark_.at<std::uint8_t>(row, column)) return true;
     }
   }

@@ -62,6 +62,19 @@ TEST(Solve, HoldsWhatIsHeld) {
   }
 }
 
+// Intrinsics that are held do not say when the rest has settled.
+TEST(Solve, HeldIntrinsicsEndNothingEarly) {
+  const Camera truth = ordinaryCameras()[1];
+  const SimulatedSegment made = smallSegment(truth, LandmarkOrigin::kMixed, 0.3, 5, 8, 40);
+  Segment segment = perturbed(made.segment, SegmentPerturbation(), 4);
+  Segment other = segment;
+  Camera camera = truth;
+  SolverOptions options = thorough();
+  const double settled = solve({&camera, false, {freeBlock(&segment, camera)}}, options).final_cost;
+  options.intrinsics_tolerance = 0.02;
+  EXPECT_EQ(solve({&camera, false, {freeBlock(&other, camera)}}, options).final_cost, settled);
+}
+
 TEST(Solve, NeverEndsWorseThanItBegan) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const Camera truth = ordinaryCameras()[seed % 4];

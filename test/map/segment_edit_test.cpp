@@ -171,7 +171,6 @@ TEST(Extended, KeyframesKeepTheLensThatTheyWereTakenWith) {
   for (int oldest = 3; oldest < 8; ++oldest) {
     Segment history = changed;
     for (int k = 0; k < oldest; ++k) history = withoutKeyframe(history, 0);
-    history.earlier_camera = changed.earlier_camera;  // the map still knows of it
     batch = extended(batch, history, made.camera);
     ASSERT_EQ(batch.keyframes.size(), 13u);
     EXPECT_EQ(batch.earlier_keyframes, 4) << oldest;

@@ -99,6 +99,27 @@ TEST(TrackerField, TellsWhichPartOfTheImageSees) {
   EXPECT_NEAR(field.share(), M_PI * kRadius * kRadius / (kWidth * kHeight), 0.03);
 }
 
+// As of a thermal camera, whose images are too small for a quarter of the resolution.
+TEST(TrackerField, OfSmallImagesToo) {
+  constexpr int kSmallWidth = 80, kSmallHeight = 60, kRim = 20;
+  const auto image = [](int index) {
+    cv::Mat small = scene(index)(cv::Rect(0, 0, kSmallWidth, kSmallHeight)).clone();
+    small.colRange(kSmallWidth - kRim, kSmallWidth).setTo(3);
+    return small;
+  };
+  Tracker tracker{TrackerOptions()};
+  for (int i = 0; i < 3; ++i) {
+    tracker.track(viewOf(image(i), i));
+    tracker.detect();
+  }
+  const ImageField field = tracker.track(viewOf(image(3), 3)).field;
+  for (int column = 0; column < ImageField::kColumns; ++column) {
+    const double x = ImageField::pixel(column, 0, kSmallWidth, kSmallHeight).x();
+    if (std::abs(x - (kSmallWidth - kRim)) < kRimMargin) continue;
+    EXPECT_EQ(field.sees(column, ImageField::kRows / 2), x < kSmallWidth - kRim) << x;
+  }
+}
+
 TEST(TrackerField, ACoveredLensTellsNothingOfTheField) {
   Tracker tracker{TrackerOptions()};
   const cv::Mat black(kHeight, kWidth, CV_8UC1, cv::Scalar(5));

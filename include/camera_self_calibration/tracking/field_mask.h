@@ -25,6 +25,7 @@ class FieldMask {
   ImageField field(int width, int height) const;
 
  private:
+  int level_ = 0;  // of the pyramid that brightest_ and dark_ are of
   cv::Mat brightest_;
   cv::Mat dark_;
   std::vector<cv::Point> pending_;
