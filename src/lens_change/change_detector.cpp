@@ -101,8 +101,9 @@ std::optional<double> ChangeDetector::clearlySame(const CandidateOutlook& outloo
 }
 
 ChangeVerdict ChangeDetector::examineUnfinished(const Segment& window, const Candidate& candidate,
-                                                const Reference& reference) {
+                                                const Reference& reference, double residual_scale) {
   measureInterval(window.endNs());
+  usual_residual_scale_ = std::max(1.0, residual_scale);
   ChangeVerdict verdict;
   const bool comparable = candidate.information.rows() == reference.information.rows();
   if (comparable && agreement({ownLikelihood(candidate)}, reference).p_value < kClearlySame) {

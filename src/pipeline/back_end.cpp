@@ -46,6 +46,7 @@ BackEndOutput BackEnd::hold(const KeyframeMessage& message, const std::string& r
 }
 
 void BackEnd::see(const KeyframeMessage& message) {
+  if (message.candidate.endNs() < state_.stamp_ns) state_.watch.forgetStamps();
   state_.stamp_ns = message.candidate.endNs();
   state_.keyframes = message.keyframes;
 }
@@ -68,7 +69,9 @@ void BackEnd::runStartup(const Segment& history) {
 void BackEnd::keepFinishedBatch() {
   const std::optional<Startup::Solution> finished = state_.startup.takeFinished();
   if (!finished || !(finished->rms < handoverLimits().pixel_rms)) return;
-  offer(evaluateCandidate(CandidateOptions(), finished->segment, finished->camera));
+  const Candidate candidate =
+      evaluateCandidate(CandidateOptions(), finished->segment, finished->camera);
+  offer(state_.shutter.freed(candidate, finished->camera));
 }
 
 void BackEnd::followTheBetter() {
@@ -312,6 +315,7 @@ void BackEnd::adoptChange(int taken) {
 
 void BackEnd::clearQueue() {
   state_.queue.clear();
+  state_.startup.forgetNext();
   state_.watch.forgetStartup();
   state_.lens_fit = LensFit(LensFitOptions());
   advance(state_.startup.isInformative() ? PhaseTrigger::kStartupBetter

@@ -73,6 +73,7 @@ void FrontEnd::adopt(const CalibrationUpdate& update) {
 
 void FrontEnd::resetMap() {
   window_.clear();
+  epoch_onset_ns_ = 0;  // all that comes is of the present lens, whatever its clock says
   monitor_.reset();
   keyframe_rule_.reset();
   motions_.clear();
@@ -90,6 +91,8 @@ void FrontEnd::restart(const Camera& camera, std::int64_t first_keyframe) {
   relocalizer_.clear();
   handed_over_ = false;
   well_known_ = false;
+  loss_reported_ = false;
+  epoch_ = 0;
   keyframes_ = first_keyframe;
   world_from_camera_ = Rigid3();
 }
@@ -267,8 +270,12 @@ void FrontEnd::seekOlderMap(const TrackedFrame& whole, const Describe& describe,
   moved_ = MapMove{left, map_id_, relocation->old_from_new};
   window_.move(relocation->old_from_new);
   last_motion_.translation *= relocation->old_from_new.scale;
-  output->result.pose_covariance.topRows<3>() *= relocation->old_from_new.scale;
-  output->result.pose_covariance.leftCols<3>() *= relocation->old_from_new.scale;
+  // The position's part is in the axes of the map.
+  const Eigen::Matrix3d turn =
+      relocation->old_from_new.scale * relocation->old_from_new.motion.rotation.toRotationMatrix();
+  Matrix6d& covariance = output->result.pose_covariance;
+  covariance.topRows<3>() = (turn * covariance.topRows<3>()).eval();
+  covariance.leftCols<3>() = (covariance.leftCols<3>() * turn.transpose()).eval();
   output->events.push_back({EventType::kRelocalized, whole.stamp_ns, whole.stamp_ns,
                             "the camera recognised a place of an earlier map: poses are in map " +
                                 std::to_string(map_id_) + " again, no longer in map " +

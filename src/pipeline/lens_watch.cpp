@@ -30,7 +30,7 @@ ChangeVerdict LensWatch::examine(const KeyframeMessage& message, const Candidate
   }
   const std::optional<Reference> known = knownBefore(message.candidate.beginNs());
   if (!known) return ChangeVerdict();
-  return detector_.examineUnfinished(message.candidate, candidate, *known);
+  return detector_.examineUnfinished(message.candidate, candidate, *known, residual_scale_);
 }
 
 void LensWatch::remember(std::int64_t stamp_ns, const Startup& startup,
@@ -41,6 +41,7 @@ void LensWatch::remember(std::int64_t stamp_ns, const Startup& startup,
       stamp_ns,
       Reference{startup.camera(), startup.information() / (sigmas * sigmas), usual_scatter_});
   if (course_.size() > kCourse) course_.pop_front();
+  residual_scale_ = startup.residualScale();
 }
 
 std::optional<Reference> LensWatch::knownBefore(std::int64_t stamp_ns) const {
@@ -49,6 +50,12 @@ std::optional<Reference> LensWatch::knownBefore(std::int64_t stamp_ns) const {
     if (known_at_ns < stamp_ns) newest = reference;
   }
   return newest;
+}
+
+void LensWatch::forgetStamps() {
+  onset_ns_ = 0;
+  course_.clear();
+  detector_.reset();
 }
 
 void LensWatch::beginLens(std::int64_t onset_ns, const std::optional<Scatter>& scatter) {

@@ -135,8 +135,9 @@ void SelfCalibrator::Impl::followRequests(const TrackedFrame& frame) {
 void SelfCalibrator::Impl::distrustStart(const TrackedFrame& frame, bool contradicted) {
   if (std::exchange(keyframes_of_map, 0) >= kLastingMap) maps_lost = 0;
   if (front_end->knowsLens() || !contradicted) return;
-  const bool given = beginning->camera.parameters() !=
-                     Camera::defaultGuess(beginning->camera.model(), width, height).parameters();
+  const Intrinsics& begun = beginning->camera.parameters();
+  const Camera guess = Camera::defaultGuess(beginning->camera.model(), width, height);
+  const bool given = begun.size() != guess.parameters().size() || begun != guess.parameters();
   if (++maps_lost < kMapsToDistrustStart || !given || options.fix_intrinsics) return;
   raise({EventType::kInput, frame.stamp_ns, frame.stamp_ns,
          "the start values are given up, since " + std::to_string(maps_lost) +

@@ -71,8 +71,8 @@ void placeKeyframe(int k, const Camera& camera, Segment* segment) {
   auto& keyframes = segment->keyframes;
   Rigid3& pose = keyframes[k].world_from_camera;
   pose = keyframes[k - 1].world_from_camera;
-  const PoseEstimate solved =
-      solvePose(camera, viewsOf(*segment, k, camera), pose, kHuberThreshold, 20);
+  const PoseEstimate solved = solvePose(segment->cameraOf(k, camera), viewsOf(*segment, k, camera),
+                                        pose, kHuberThreshold, 20);
   if (solved.usable) pose = solved.world_from_camera;
   const double inverse_depth = medianInverseDepthAt(*segment, k, camera);
   for (Landmark& landmark : segment->landmarks) {
@@ -87,7 +87,8 @@ void forget(const Camera& camera, Segment* segment) {
   for (const Observation& observation : segment->observations) {
     Landmark& landmark = segment->landmarks[observation.landmark];
     if (landmark.anchored || observation.keyframe != landmark.reference) continue;
-    if (const auto ray = camera.unproject(observation.pixel)) landmark.bearing = *ray;
+    const Camera& seen_with = segment->cameraOf(observation.keyframe, camera);
+    if (const auto ray = seen_with.unproject(observation.pixel)) landmark.bearing = *ray;
   }
 }
 

@@ -184,7 +184,7 @@ void Startup::beginBatch(const Segment& history) {
     options_.growth.prior = next_->prior;
     next_retry_ = std::numeric_limits<int>::max();  // others would be less than what is known
   } else if (!usable_) {
-    goOnWith(initial_);
+    goOnWith(trusted_);
   }
   segment_ = connectedToNewest(history);
   bootstrap(options_.growth, &segment_, &camera_);
@@ -238,7 +238,7 @@ void Startup::judge() {
   residual_scale_ = fit.residual_scale;
   setInformation(fit.marginal);
   usable_ = true;
-  if (fit.unexplained_sigma > 0.0 && isInformative()) considerK3(gated);
+  if (fit.unexplained_sigma > 0.0 && isInformative()) considerK3(&gated);
   told_ = isInformative();
   if (told_) {
     trusted_ = camera_;
@@ -318,17 +318,17 @@ std::optional<Startup::Solution> Startup::takeFinished() {
   return std::exchange(finished_, std::nullopt);
 }
 
-void Startup::considerK3(const Segment& gated) {
+void Startup::considerK3(Segment* gated) {
   if (camera_.model() != CameraModel::kRadtan ||
       camera_.estimatedCount() > Camera::parameterCount(CameraModel::kRadtan) ||
-      static_cast<int>(gated.keyframes.size()) < kFirstRetry) {
+      static_cast<int>(gated->keyframes.size()) < kFirstRetry) {
     return;
   }
   if (added_ < next_k3_) return;
-  if (promisedByK3(gated, camera_) < kWorthAFit * options_.k3_likelihood_ratio) return;
+  if (promisedByK3(*gated, camera_) < kWorthAFit * options_.k3_likelihood_ratio) return;
   next_k3_ = added_ + static_cast<int>(std::ceil(kWorthASolve * added_));
-  std::array<ComparedFit, 2> fits = {ComparedFit{gated, camera_, {}},
-                                     ComparedFit{gated, camera_, {}}};
+  std::array<ComparedFit, 2> fits = {ComparedFit{*gated, camera_, {}},
+                                     ComparedFit{*gated, camera_, {}}};
   ComparedFit& with = fits.back();
   with.camera.setEstimateK3(true);
   parallelFor(options_.threads, 2, [&fits](int i) { fits[i].solve(); });
@@ -343,8 +343,10 @@ void Startup::considerK3(const Segment& gated) {
   without.solve();
   if (!demandsK3(without, with)) return;
   camera_ = with.camera;
+  *gated = with.segment;
   options_.growth.prior = vaguePrior(camera_);  // k3 has one too
-  setInformation(with.fit.marginal);
+  const Problem problem{&camera_, true, {freeBlock(gated, camera_)}, options_.growth.prior};
+  setInformation(marginalize(problem, kHuberThreshold, 1, DepthNoise::kDiscounted));
 }
 
 bool Startup::demandsK3(const ComparedFit& without, const ComparedFit& with) const {

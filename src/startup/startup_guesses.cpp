@@ -60,7 +60,7 @@ void Startup::tryOtherGuesses() {
                                                   1 + (kRetryBudget - 1) / comparedKeyframes());
   std::vector<Trial> trials(count);
   parallelFor(options_.threads, static_cast<int>(count),
-              [&](int i) { trials[i] = tryGuess(guesses[next_guess_ + i]); });
+              [&](int i) { trials[i] = tryGuess(guesses[next_guess_ + i], false); });
   for (std::size_t i = 0; i < count; ++i) {
     const Trial& trial = trials[i];
     const double cost = trial.cost / static_cast<double>(trial.segment.observations.size());
@@ -71,7 +71,7 @@ void Startup::tryOtherGuesses() {
   if (next_guess_ < guesses.size() || (best_guess_ && count > 0)) return;
   next_guess_ = 0;
   next_retry_ = next_retry_ * 3 / 2;
-  if (best_guess_) adopt(tryGuess(best_guess_->camera));
+  if (best_guess_) adopt(tryGuess(best_guess_->camera, true));
   best_guess_.reset();
 }
 
@@ -81,7 +81,7 @@ int Startup::comparedKeyframes() const {
   return std::clamp(all, 1, kComparedKeyframes);
 }
 
-Startup::Trial Startup::tryGuess(const Camera& guess) const {
+Startup::Trial Startup::tryGuess(const Camera& guess, bool two_views) const {
   Trial trial;
   trial.segment = prefixOf(segment_, comparedKeyframes(), 1, &trial.landmark_index);
   const double present =
@@ -89,7 +89,7 @@ Startup::Trial Startup::tryGuess(const Camera& guess) const {
               : std::numeric_limits<double>::infinity();
   GrowthOptions growth = options_.growth;
   growth.prior = vaguePrior(guess);
-  growth.two_views = false;  // it would double the cost of every guess
+  growth.two_views = two_views;
   trial.camera = guess;
   const double needed = kClearlyLess * present;
   trial.cost = bootstrap(growth, &trial.segment, &trial.camera, needed);
@@ -101,6 +101,7 @@ void Startup::adopt(const Trial& trial) {
   if (!trial.better) return;
   const Startup before = *this;
   goOnWith(trial.camera);
+  best_.reset();  // of the solution that is given up
   options_.growth.prior = vaguePrior(camera_);
   adoptPrefix(trial.segment, trial.landmark_index, &segment_);
   const int keyframes = static_cast<int>(segment_.keyframes.size());

@@ -11,6 +11,9 @@ namespace {
 
 constexpr double kConfidence = 0.999;
 constexpr int kFewest = 8;
+// In baselines: of no account. OpenCV leaves out what is further than 50, which neighbouring
+// keyframes often are apart from all that they see.
+constexpr double kFarthest = 1e6;
 // Of a unit ray: 78 degrees off the axis, beyond which noise on a plane grows without bound.
 constexpr double kMinZ = 0.2;
 
@@ -49,8 +52,9 @@ std::optional<TwoViews> relateViews(const std::vector<RayPair>& pairs, double to
   const cv::Mat essential =
       cv::findEssentialMat(first, second, unit, cv::RANSAC, kConfidence, tolerance, inliers);
   if (essential.rows != 3 || essential.cols != 3) return std::nullopt;
-  const int agreeing =
-      cv::recoverPose(essential, first, second, unit, rotation, translation, inliers);
+  cv::Mat points;
+  const int agreeing = cv::recoverPose(essential, first, second, unit, rotation, translation,
+                                       kFarthest, inliers, points);
   if (agreeing < kFewest) return std::nullopt;
   TwoViews views{poseOf(rotation, translation), std::vector<double>(pairs.size(), 0.0)};
   for (std::size_t i = 0; i < index.size(); ++i) {

@@ -6,6 +6,7 @@
 #include "benchmark/changing_tracks.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/base/stamp.h"
+#include "camera_self_calibration/pipeline/learnt_state.h"
 #include "lens_change/change_samples.h"
 #include "pipeline/track_run.h"
 #include "sanitized.h"
@@ -28,6 +29,14 @@ const Event* firstChange(const Record& record) {
     if (event.type == EventType::kCalibrationChange) return &event;
   }
   return nullptr;
+}
+
+std::int64_t newestSegmentNs(const CalibrationReport& report) {
+  std::int64_t newest_ns = 0;
+  for (const SegmentReport& segment : report.queue.segments) {
+    newest_ns = std::max(newest_ns, segment.end_ns);
+  }
+  return newest_ns;
 }
 
 double since(std::int64_t stamp_ns) { return toSeconds(stamp_ns) - 1.0; }
@@ -55,7 +64,32 @@ TEST(Change, AZoomIsNoticedDatedAndLearntAnew) {
     // The same map before and after.
     EXPECT_EQ(run.record.frames.back().map_id, run.record.frames.front().map_id);
     EXPECT_EQ(run.record.count(EventType::kLost), 0);
+    const auto state = run.calibrator().state();
+    ASSERT_TRUE(state);
+    const DecodedState decoded = decodeState(encode(*state));
+    ASSERT_TRUE(decoded.state) << decoded.error;
+    EXPECT_EQ(decoded.state->segments.size(), state->segments.size());
   }
+}
+
+// Stamps from before the change are no reason to take what comes for the old lens.
+TEST(Change, LearningGoesOnWhereTheClockIsSetBackBeyondIt) {
+  const Camera before = ordinaryCameras()[1], after = zoomed(before, 1.10);
+  TrackRun run(before, optionsFor(before.model()),
+               runWith([&](double t) { return t < kChangeS ? before : after; }));
+  run.run(250);
+  ASSERT_EQ(run.report().epoch, 1u);
+  run.setClockBack(20.0);
+  const std::int64_t newest_ns = newestSegmentNs(run.report());
+  run.run(100);
+  EXPECT_EQ(run.report().epoch, 1u);
+  EXPECT_EQ(run.report().state, CalibrationState::kConverged) << run.report().sentence;
+  // Segments from after the jump are in the queue: they end before the newest from before it.
+  int learnt = 0;
+  for (const SegmentReport& segment : run.report().queue.segments) {
+    learnt += segment.begin_ns < newest_ns - 12000000000;
+  }
+  EXPECT_GT(learnt, 0);
 }
 
 // While the lens after the first change is still being learnt.

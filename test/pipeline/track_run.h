@@ -93,7 +93,8 @@ class TrackRun {
   void step() {
     const std::int64_t stamp = kStartNs + static_cast<std::int64_t>(1e9 * frame_++ / rate_hz_);
     TrackedFrame frame = tracks_.track(stamp);  // a copy: detect() may be called inside
-    frame.stamp_ns += static_cast<std::int64_t>(1e9 * jitter_.uniform(-1.0, 1.0) * stamp_jitter_s_);
+    frame.stamp_ns += static_cast<std::int64_t>(
+        1e9 * (jitter_.uniform(-1.0, 1.0) * stamp_jitter_s_ - clock_back_s_));
     warp(&frame.tracks);
     calibrator_.processTracks(frame, [this] {
       std::vector<Track> detected = tracks_.detect();
@@ -111,8 +112,10 @@ class TrackRun {
       calibrator_.processTracks(frame, [] { return std::vector<Track>(); });
     }
   }
-  /// The clock jumps.
+  /// Camera and clock jump, as where a recording is played again.
   void seek(int frame) { frame_ = frame; }
+  /// The clock jumps, the camera goes on.
+  void setClockBack(double seconds) { clock_back_s_ += seconds; }
 
   SelfCalibrator& calibrator() { return calibrator_; }
   CalibrationReport report() const { return calibrator_.calibration(); }
@@ -154,6 +157,7 @@ class TrackRun {
 
   double rate_hz_;
   double stamp_jitter_s_;
+  double clock_back_s_ = 0.0;
   std::function<Eigen::Vector2d(const Eigen::Vector2d&)> warp_;
   Random jitter_;
   int frame_ = 0;

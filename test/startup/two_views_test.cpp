@@ -18,9 +18,10 @@ struct Pairs {
   std::vector<double> inverse_depths;
 };
 
-// A camera that drives ahead between points that are 3 to 60 of its steps away; the first of them
-// are outliers in the second view.
-Pairs driving(int count, std::uint64_t seed, double outlier_share = 0.25) {
+// A camera that drives ahead between points that are `nearest` to 20 times as many of its steps
+// away; the first of them are outliers in the second view.
+Pairs driving(int count, std::uint64_t seed, double outlier_share = 0.25, double nearest = 3.0,
+              double noise = kNoise) {
   Random random(seed);
   const auto unit = [&random] { return random.uniform(-1.0, 1.0); };
   Pairs pairs;
@@ -28,10 +29,10 @@ Pairs driving(int count, std::uint64_t seed, double outlier_share = 0.25) {
                              Eigen::Vector3d(0.05, 0.02, -1.0).normalized()};
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector3d first = Eigen::Vector3d(unit(), 0.4 * unit(), 1.0).normalized();
-    const double depth = 3.0 * std::pow(20.0, random.uniform());
+    const double depth = nearest * std::pow(20.0, random.uniform());
     Eigen::Vector3d second = pairs.second_from_first * (depth * first);
     second /= second.z();
-    second.head<2>() += kNoise * random.normal2();
+    second.head<2>() += noise * random.normal2();
     const bool outlier = i < outlier_share * count;
     if (outlier) second += Eigen::Vector3d(0.3 * unit(), 0.3 + 0.1 * unit(), 0.0);
     pairs.rays.push_back({first, second.normalized()});
@@ -59,6 +60,18 @@ TEST(RelateViews, FindsPoseAndDepthsAmongOutliers) {
     }
     EXPECT_GE(left_out, 18);  // of 20; one may lie on its line by chance
     EXPECT_GE(near, 50);      // of 60; near the point driven to nothing tells depths
+  }
+}
+
+// Keyframes of a long lens lie a hundredth of the distance apart and less.
+TEST(RelateViews, FarPointsCountToo) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    const Pairs truth = driving(80, seed, 0.0, 60.0, 0.1 * kNoise);
+    const auto views = relateViews(truth.rays, 0.3 * kNoise);
+    ASSERT_TRUE(views) << seed;
+    int known = 0;
+    for (const double inverse_depth : views->inverse_depths) known += inverse_depth > 0.0;
+    EXPECT_GE(known, 60) << seed;
   }
 }
 

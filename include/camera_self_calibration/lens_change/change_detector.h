@@ -63,9 +63,9 @@ class ChangeDetector {
                                     std::int64_t suspected_onset_ns, const SegmentQueue& queue);
 
   /// The same while the lens is still being learnt, against what was known of it before the window
-  /// began.
+  /// began. `residual_scale`: that of the data which that rests on.
   ChangeVerdict examineUnfinished(const Segment& window, const Candidate& candidate,
-                                  const Reference& reference);
+                                  const Reference& reference, double residual_scale);
 
   /// Where the lens is if it moved, from the queue's segments and the newest beside it;
   /// queue.solution() must be usable. `now_ns`: stamp of the newest keyframe.

@@ -47,6 +47,9 @@ class LensWatch {
   /// Windows so far were freed of another line delay.
   void forgetWindows() { detector_.reset(); }
 
+  /// The clock was set back: stamps so far compare with none to come.
+  void forgetStamps();
+
   /// A new lens since `onset_ns`. `scatter`: by how much the old one's segments disagreed; nothing
   /// without a queue.
   void beginLens(std::int64_t onset_ns, const std::optional<Scatter>& scatter);
@@ -64,6 +67,7 @@ class LensWatch {
 
   ChangeDetector detector_;
   std::deque<std::pair<std::int64_t, Reference>> course_;  // of the startup batch, by stamp
+  double residual_scale_ = 1.0;  // of the batch when it was last remembered
   // How far segments of this camera scatter, as its model does not describe it exactly: that of the
   // queue before the newest change; of the first lens, before there is a queue, three sigmas.
   Scatter usual_scatter_ = {40.0 * 3.0 * 3.0, 40};

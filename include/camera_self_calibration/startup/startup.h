@@ -57,6 +57,8 @@ class Startup {
   /// The next batch, in another map, begins with this estimate from elsewhere, and vaguely (five
   /// sigmas) keeps to it, instead of going on from the intrinsics of the last one.
   void beginNextFrom(const Camera& camera, const IntrinsicsMatrix& covariance);
+  /// That estimate was wrong.
+  void forgetNext() { next_.reset(); }
 
   /// Goes on with these intrinsics, of another model, and with the poses and depths that belong to
   /// them in `solved`, as far as they are the batch's.
@@ -148,14 +150,15 @@ class Startup {
   void extend(const Segment& history);
   void tryOtherGuesses();
   int comparedKeyframes() const;
-  Trial tryGuess(const Camera& guess) const;
+  // Beginning from two views too takes twice as long where the first keyframes do not fit.
+  Trial tryGuess(const Camera& guess, bool two_views) const;
   void adopt(const Trial& trial);
   void adoptSolved(const Segment& solved);
   void goOnWith(const Camera& camera);
   void judge();
   void setInformation(const Marginal& marginal);
   void setInformation(const IntrinsicsMatrix& information);
-  void considerK3(const Segment& gated);
+  void considerK3(Segment* gated);
   bool demandsK3(const ComparedFit& without, const ComparedFit& with) const;
   void noteBest();
   void finishBatch();
