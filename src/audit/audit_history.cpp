@@ -9,7 +9,9 @@ void AuditHistory::date(const CalibrationReport& live, AuditReport* audit) {
   }
   if (audit->verdict != AuditVerdict::kWrong) return;
   if (!since_ns_ && good_) {
-    since_ns_ = live.epoch != good_->epoch ? live.last_change_ns : good_->stamp_ns;
+    // A restored calibration that was set aside begins an epoch without a change that was seen.
+    const bool dated = live.epoch != good_->epoch && live.last_change_ns > 0;
+    since_ns_ = dated ? live.last_change_ns : good_->stamp_ns;
   }
   audit->since_ns = since_ns_;
 }

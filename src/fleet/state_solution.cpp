@@ -25,14 +25,7 @@ StateSolution solveState(const LearntState& state, int threads) {
   SegmentQueue& queue = solution.queue;
   Shutter shutter(options, state.camera.height());
   shutter.restore(state);
-  const auto solve = [&](const Camera& start) {
-    shutter.noteTaken(
-        queue.rebuild(shutter.freed(state.segments, start), shutter.startFrom(start)));
-  };
-  solve(state.camera);
-  // What the shutter leaves open is known once it was asked.
-  shutter.ask(queue, false);
-  if (options.estimate_readout && queue.solution().usable) solve(queue.solution().camera);
+  shutter.solve(state.segments, state.camera, &queue);
   solution.line_delay_s = shutter.lineDelay().inUse();
   const LineDelayEstimate& line_delay = shutter.lineDelay().estimate();
   if (line_delay.usable) solution.line_delay_sigma_s = line_delay.sigma_s;

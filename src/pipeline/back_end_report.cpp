@@ -89,7 +89,7 @@ CalibrationReport reportOf(const BackEndState& state, double converged_rms) {
   report.camera = state.known.camera;
   report.covariance = state.known.covariance;
   if (queueLeads(state.phase)) {
-    report.scatter_freedom = state.queue.solution().scatter.variance().freedom;
+    report.scatter_freedom = state.queue.solution().scatter.birgeFreedom();
   }
   report.uncertainty = state.uncertainty();
   report.entropy = entropy(state.known.camera, state.known.covariance);

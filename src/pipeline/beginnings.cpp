@@ -59,8 +59,7 @@ bool BackEnd::restore(const LearntState& state) {
   Shutter shutter = state_.shutter;
   shutter.restore(state);
   SegmentQueue queue = state_.queue;
-  const int taken =
-      queue.rebuild(shutter.freed(state.segments, state.camera), shutter.startFrom(state.camera));
+  const int taken = shutter.solve(state.segments, state.camera, &queue);
   if (!queue.solution().usable) return false;
   state_.shutter = std::move(shutter);
   state_.queue = std::move(queue);

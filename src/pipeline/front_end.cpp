@@ -1,6 +1,7 @@
 #include "camera_self_calibration/pipeline/front_end.h"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -52,6 +53,8 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t fi
 
 void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;
+  // A beginning that follows another one is sent as well, though nothing is known yet.
+  knows_lens_ = handed_over_ || std::isfinite(update.uncertainty_px);
   well_known_ = handed_over_ && update.uncertainty_px < kWellKnown * update.camera.width();
   const Rigid3 newest = window_.newestPose();
   if (update.epoch != epoch_) {
@@ -89,8 +92,7 @@ void FrontEnd::restart(const Camera& camera, std::int64_t first_keyframe) {
   window_.setLineDelay(options_.readout_s / rowSteps(camera.height()));
   resetMap();
   relocalizer_.clear();
-  handed_over_ = false;
-  well_known_ = false;
+  handed_over_ = knows_lens_ = well_known_ = false;
   loss_reported_ = false;
   epoch_ = 0;
   keyframes_ = first_keyframe;

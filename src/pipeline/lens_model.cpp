@@ -48,14 +48,15 @@ void BackEnd::switchModel(const LensTrial& lens) {
     candidates.push_back(evaluateCandidate(CandidateOptions(), observed, lens.camera));
   }
   SegmentQueue queue = state_.queue;
-  const int taken = queue.rebuild(candidates, state_.shutter.startFrom(lens.camera));
+  Shutter shutter = state_.shutter;
+  shutter.solve(candidates, lens.camera, &queue);
   const bool starting = isStarting(state_.phase);
   if (!starting && !queue.solution().usable) return;
   if (starting) state_.startup.switchModel(lens.camera, lens.segments);
   clearQueue();
   state_.watch.forgetWindows();  // what they said is of the other model's parameters
   state_.queue = std::move(queue);
-  state_.shutter.noteTaken(taken);
+  state_.shutter = std::move(shutter);
   state_.known = KnownLens();
   state_.known.camera = lens.camera;
   // It was said of another lens; the next verdict may say it again.

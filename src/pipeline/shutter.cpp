@@ -82,6 +82,18 @@ bool Shutter::ask(const SegmentQueue& queue, bool just_solved) {
   return line_delay_.take(queue.lineDelay());
 }
 
+int Shutter::solve(const std::vector<Candidate>& candidates, const Camera& start,
+                   SegmentQueue* queue) {
+  int taken = queue->rebuild(freed(candidates, start), {start});
+  if (learns_ && queue->solution().usable) {
+    line_delay_.take(queue->lineDelay());
+    const Camera solved = queue->solution().camera;
+    taken = queue->rebuild(freed(candidates, solved), startFrom(solved));
+  }
+  noteFreed();
+  return taken;
+}
+
 void Shutter::restore(const LearntState& state) {
   if (!learns_) return;
   line_delay_ = LineDelay(state.line_delay_s, row_steps_);

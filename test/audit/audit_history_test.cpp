@@ -36,6 +36,13 @@ TEST(AuditHistory, AChangeOfTheLensDatesIt) {
   EXPECT_EQ(since(&history, at(60, 2, 50), AuditVerdict::kWrong), 18);
 }
 
+// As where a restored calibration was set aside.
+TEST(AuditHistory, AnEpochWithoutADatedChangeIsDatedByTheLastGood) {
+  AuditHistory history;
+  since(&history, at(20), AuditVerdict::kGood);
+  EXPECT_EQ(since(&history, at(40, 1), AuditVerdict::kWrong), 20);
+}
+
 TEST(AuditHistory, WithoutAChangeTheLastGoodDoes) {
   AuditHistory history;
   since(&history, at(10), AuditVerdict::kGood);

@@ -88,6 +88,21 @@ TEST(Requests, AStartThatPosesContradictIsGivenUp) {
   EXPECT_EQ(run.record.reports.back().start_given_up->parameters(), start);
 }
 
+// The same where it follows a calibration that was learnt.
+TEST(Requests, AfterAResetAStartThatPosesContradictIsGivenUpToo) {
+  const Camera truth = ordinaryCameras()[2];
+  Intrinsics start = truth.parameters();
+  start.tail<4>() << -2.0, 0.0, 0.0, 0.0;
+  start.head<2>() *= 0.3;
+  TrackRun run(truth, optionsFor(truth.model()), TrackRunOptions());
+  ASSERT_TRUE(run.runUntilConverged(600)) << run.report().sentence;
+  run.calibrator().reset(withParameters(truth, start));
+  run.step();
+  EXPECT_TRUE(run.runUntilConverged(900)) << run.report().sentence;
+  EXPECT_EQ(run.record.reports.back().starts_given_up, 1u);
+  EXPECT_LT(pixelDistance(truth, run.report().camera).rms, 1.0);
+}
+
 TEST_F(RequestsTest, FrozenItKeepsTheCalibrationAndGoesOnTracking) {
   ASSERT_TRUE(run_.calibrator().freeze(true));
   run_.step();

@@ -80,7 +80,7 @@ class FrontEnd {
   const Camera& camera() const { return window_.camera(); }
 
   /// Whether the intrinsics are learnt rather than those it began with.
-  bool knowsLens() const { return handed_over_ || window_.generation() > 0; }
+  bool knowsLens() const { return knows_lens_; }
 
   /// Starts a new map at the next frame, from the last pose; the calibration stays, and the present
   /// map may be found again.
@@ -118,6 +118,7 @@ class FrontEnd {
   InnovationMonitor monitor_;
   MotionHistory motions_;
   bool handed_over_ = false;
+  bool knows_lens_ = false;
   bool well_known_ = false;  // the lens
   std::uint64_t epoch_ = 0;
   std::int64_t epoch_onset_ns_ = 0;

@@ -37,6 +37,11 @@ class Shutter {
   /// `just_solved`: this keyframe has cost a joint estimate already.
   bool ask(const SegmentQueue& queue, bool just_solved);
 
+  /// The queue begun anew with these, freed of the line delay in use, where the line delay has not
+  /// been asked for in such intrinsics yet, as after a restart or with another lens model: what it
+  /// leaves open in them counts in a second solution. How many were taken.
+  int solve(const std::vector<Candidate>& candidates, const Camera& start, SegmentQueue* queue);
+
   /// The queue took so many candidates.
   void noteTaken(int candidates) { taken_ += candidates; }
   /// All of the queue is freed of the line delay in use.
