@@ -9,11 +9,15 @@
 #include "camera_self_calibration/ros/calibration_url.h"
 
 namespace camera_self_calibration {
-MaskReading readMask(const std::string& url) {
+
+MaskReading readMaskUrl(const std::string& url) {
   if (url.empty()) return {};
   const ResolvedPath resolved = resolvePath(url, "camera");
-  if (!resolved.error.empty()) return {std::nullopt, resolved.error};
-  const std::string& path = resolved.path;
+  return resolved.error.empty() ? readMask(resolved.path)
+                                : MaskReading{std::nullopt, resolved.error};
+}
+
+MaskReading readMask(const std::string& path) {
   const FileContents file = readFile(path);
   if (!file.exists) return {std::nullopt, "there is no file " + path};
   if (!file.error.empty()) return {std::nullopt, file.error};

@@ -58,7 +58,7 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
     problems.push_back(problem);
   }
   for (const std::string& problem : sameFileProblems(options_, name)) problems.push_back(problem);
-  const MaskReading mask = readMask(options_.mask_url);
+  const MaskReading mask = readMaskUrl(options_.mask_url);
   if (!mask.error.empty()) problems.push_back("mask_url: " + mask.error);
   options_.pipeline.tracker.mask = mask.mask;
   if (mask.mask) monitor_.setMask(*mask.mask);

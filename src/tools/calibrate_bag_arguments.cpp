@@ -34,7 +34,7 @@ constexpr const char* kUsage =
     "\n"
     "Exit code: 0 converged, 2 ran but did not converge, 1 error, 3 no images,\n"
     "4 interrupted (Ctrl-C, SIGTERM): what is known so far is written and marked as partial.\n"
-    "With --audit: 0 GOOD, 5 WRONG, 6 CANNOT TELL.\n";
+    "With --audit: 0 GOOD, 5 WRONG, 6 CANNOT_TELL.\n";
 
 // clang-format off
 void addImagesAndResults(CalibrateBagArguments* arguments, po::options_description* all) {
@@ -59,7 +59,7 @@ void addImagesAndResults(CalibrateBagArguments* arguments, po::options_descripti
      "name of the camera in the file of --state-out; default: the topic")
     ("overwrite", po::bool_switch(&arguments->overwrite), "run again, and replace the file of --state-out")
     ("initial", po::value<std::string>(),
-     "start values: a ROS calibration (YAML) or a YAML with model, width, height, params")
+     "start values: a calibration file (any format that convert_calibration reads)")
     ("mask", po::value<std::string>(),
      "image that is black where features are not allowed, such as parts of the robot that move or "
      "cover half of the image")
@@ -79,7 +79,7 @@ void addComparisons(CalibrateBagArguments* arguments, po::options_description* a
      "a known calibration (file as --initial): run a second time with it held and compare")
     ("audit", po::value<std::string>(),
      "a calibration (any format that convert_calibration reads; of a rig Kalibr's camchain): is it still "
-     "right? GOOD, WRONG with the likely cause, or CANNOT TELL with a motion that would decide")
+     "right? GOOD, WRONG with the likely cause, or CANNOT_TELL")
     ("audit-camera", po::value<std::string>(), "which camera of the --audit file, if there are several")
     ("audit-tolerance", po::value(&arguments->extras.audit.tolerance_px)->default_value(
          arguments->extras.audit.tolerance_px),

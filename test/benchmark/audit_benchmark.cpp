@@ -118,7 +118,7 @@ int run(int sequences, double seconds, int first) {
   parallelFor(kThreads, sequences, [&](int i) {
     outcomes[static_cast<std::size_t>(i)] = trial(static_cast<std::uint64_t>(first + i), seconds);
   });
-  std::puts("| calibration given | sequences | GOOD | WRONG | CANNOT TELL | WRONG, cause right |");
+  std::puts("| calibration given | sequences | GOOD | WRONG | CANNOT_TELL | WRONG, cause right |");
   std::puts("|---|---|---|---|---|---|");
   for (std::size_t i = 0; i < cases().size(); ++i) printRow(i, outcomes);
   int ever = 0;

@@ -19,13 +19,13 @@ std::string writtenMask(const std::string& name, int gray) {
 TEST(MaskFile, ReadsPathsAndUrls) {
   const std::string path = writtenMask("mask.png", 255);
   for (const std::string& url : {path, "file://" + path}) {
-    const MaskReading reading = readMask(url);
+    const MaskReading reading = readMaskUrl(url);
     ASSERT_TRUE(reading.mask) << reading.error;
     EXPECT_EQ(reading.mask->width, 64);
     EXPECT_EQ(reading.mask->data[0], 255);
     EXPECT_EQ(reading.mask->data[47 * reading.mask->stride], 0);
   }
-  const MaskReading none = readMask("");
+  const MaskReading none = readMaskUrl("");
   EXPECT_FALSE(none.mask);
   EXPECT_TRUE(none.error.empty());
 }
@@ -36,7 +36,7 @@ TEST(MaskFile, SaysWhatIsWrong) {
   for (const std::string& url :
        {std::string("/nowhere/mask.png"), text,
         std::string("package://no_such_package_here/mask.png"), writtenMask("black.png", 0)}) {
-    const MaskReading reading = readMask(url);
+    const MaskReading reading = readMaskUrl(url);
     EXPECT_FALSE(reading.mask) << url;
     EXPECT_FALSE(reading.error.empty()) << url;
   }

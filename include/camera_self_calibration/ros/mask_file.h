@@ -13,9 +13,13 @@ struct MaskReading {
   std::string error;  ///< Empty if there is a mask, or none was asked for.
 };
 
-/// Reads an image, in which black forbids features: file:///PATH, package://PACKAGE/PATH or a plain
-/// path. An empty URL asks for none.
-MaskReading readMask(const std::string& url);
+/// Reads an image, in which black forbids features. A relative path starts from the working
+/// directory.
+MaskReading readMask(const std::string& path);
+
+/// The same for file:///PATH, package://PACKAGE/PATH or a path, of which a relative one starts from
+/// ROS_HOME, as those of all parameters. An empty URL asks for none.
+MaskReading readMaskUrl(const std::string& url);
 
 /// Why a mask does not fit images of this size [px], in words; empty if it does: it is of the same
 /// shape and may be scaled.
