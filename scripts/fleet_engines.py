@@ -57,6 +57,9 @@ def parallel(fleet, options):
         command += ["--sshloginfile", options.sshloginfile]
     words = " ".join(shlex.quote(word) for word in task(fleet, "{}", options.retries)).replace("'{}'", "{}")
     code = subprocess.run(command + [words, "::::", str(bags)]).returncode
+    # Bags that failed count to 101; the last code is its own trouble, as an option that it lacks.
+    if code == 255:
+        raise Problem("parallel could not work off the bags; see above")
     if code < 0 or code > 128:
         return STOPPED
     return fleet_reduce.reduce(fleet)
@@ -91,15 +94,16 @@ def chunks(fleet, pending):
 
 
 def submit(script, fleet, options, arguments):
+    """The job, and its exit code: with --wait, that of what it ran if that was 0 or NOTHING."""
     command = ["sbatch", "--parsable", f"--chdir={fleet.folder}"]
     command += [f"--partition={options.partition}"] if options.partition else []
     done = subprocess.run(command + arguments, input=script, text=True, stdout=subprocess.PIPE)
     job = done.stdout.strip().split(";")[0]
     if not job:
         raise Problem("sbatch refused the job; see above")
-    if done.returncode != 0:
+    if done.returncode not in (0, fleet_reduce.NOTHING):
         raise Problem(f"the job {job} ended with the code {done.returncode}; run this again to go on")
-    return job
+    return job, done.returncode
 
 
 def submit_array(fleet, options, pending):
@@ -118,10 +122,11 @@ def submit_array(fleet, options, pending):
     script = (f"#!/bin/bash\nids=$(sed -n \"$((SLURM_ARRAY_TASK_ID + 1))p\" slurm.txt)\n"
               f"for id in $ids; do {one}; done\nexit 0\n")
     print(f"{len(lists)} tasks of {minutes} min and {megabytes} MB", flush=True)
-    return submit(script, fleet, options,
-                  ["--job-name=fleet", f"--array=0-{len(lists) - 1}%{options.jobs}",
-                   "--cpus-per-task=1", f"--mem={megabytes}M", f"--time={minutes}", "--requeue",
-                   "--output=logs/slurm-%A_%a.log"])
+    job, _ = submit(script, fleet, options,
+                    ["--job-name=fleet", f"--array=0-{len(lists) - 1}%{options.jobs}",
+                     "--cpus-per-task=1", f"--mem={megabytes}M", f"--time={minutes}", "--requeue",
+                     "--output=logs/slurm-%A_%a.log"])
+    return job
 
 
 def slurm(fleet, options):
@@ -133,11 +138,11 @@ def slurm(fleet, options):
     arguments = ["--job-name=fleet-merge", "--output=logs/reduce.log", "--cpus-per-task=1"]
     arguments += [f"--dependency=afterany:{array}"] if array else []
     arguments += ["--wait"] if options.wait else []
-    job = submit(script, fleet, options, arguments)
+    job, code = submit(script, fleet, options, arguments)
     log = fleet.folder / "logs/reduce.log"
     if options.wait:
         print(log.read_text(), end="")
-        return 0
+        return code
     print(f"Submitted: the bags as job {array or '-'}, the merge as job {job}. What it says will be "
           f"in {log}; run the same command again if jobs were lost")
     return 0

@@ -1,5 +1,6 @@
 #include "camera_self_calibration/camera/field_of_view.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
@@ -8,15 +9,17 @@
 namespace camera_self_calibration {
 namespace {
 
+double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b)) / kDegree;
+}
+
 double angleBetween(const Camera& camera, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   const auto one = camera.unproject(a);
+  const auto middle = camera.unproject(0.5 * (a + b));
   const auto other = camera.unproject(b);
-  if (!one || !other) return std::numeric_limits<double>::quiet_NaN();
-  // From the optical axis to each, so that more than 180 degrees are possible.
-  const auto fromAxis = [](const Eigen::Vector3d& ray) {
-    return std::atan2(ray.head<2>().norm(), ray.z());
-  };
-  return (fromAxis(*one) + fromAxis(*other)) / kDegree;
+  if (!one || !middle || !other) return std::numeric_limits<double>::quiet_NaN();
+  // By way of the middle, so that more than 180 degrees are possible.
+  return angle(*one, *middle) + angle(*middle, *other);
 }
 
 }  // namespace

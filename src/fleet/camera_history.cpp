@@ -20,26 +20,30 @@ Kind kindOf(const Camera& lens) {
   return {lens.width(), lens.height(), lens.estimatedCount(), lens.model()};
 }
 
-bool sameSize(const Camera& a, const Camera& b) {
-  return a.width() == b.width() && a.height() == b.height();
-}
+using Size = std::pair<int, int>;
+
+Size sizeOf(const Camera& lens) { return {lens.width(), lens.height()}; }
 
 auto timeAndName(const BagRecord& record) {
   return std::tie(record.begin_ns, record.end_ns, record.bag, record.state_file);
 }
 
-// The lens of the kind that most bags have; of the first such bag.
+// A lens of the commonest size, of the commonest kind among those; of the first such bag.
 Camera commonLens(const std::vector<HistoricBag>& bags) {
-  std::map<Kind, std::size_t> counts;
-  for (const HistoricBag& bag : bags) ++counts[kindOf(bag.record.lens)];
-  const auto common =
-      std::max_element(counts.begin(), counts.end(), [](const auto& a, const auto& b) {
-        return std::make_tuple(a.second, a.first) < std::make_tuple(b.second, b.first);
-      });
+  std::map<Size, std::size_t> of_size;
+  std::map<Kind, std::size_t> of_kind;
   for (const HistoricBag& bag : bags) {
-    if (kindOf(bag.record.lens) == common->first) return bag.record.lens;
+    ++of_size[sizeOf(bag.record.lens)];
+    ++of_kind[kindOf(bag.record.lens)];
   }
-  return {};
+  const auto rank = [&](const HistoricBag& bag) {
+    const Kind kind = kindOf(bag.record.lens);
+    return std::make_tuple(of_size[sizeOf(bag.record.lens)], of_kind[kind], kind);
+  };
+  const auto common = std::max_element(
+      bags.begin(), bags.end(),
+      [&](const HistoricBag& a, const HistoricBag& b) { return rank(a) < rank(b); });
+  return common == bags.end() ? Camera() : common->record.lens;
 }
 
 std::vector<WantedSegment> segmentsOf(const BagRecord& record) {
@@ -78,7 +82,7 @@ void useOneModel(const SegmentStore& store, CameraHistory* history) {
   history->lens = commonLens(history->bags);
   for (HistoricBag& bag : history->bags) {
     const Camera& lens = bag.record.lens;
-    if (!sameSize(lens, history->lens)) {
+    if (sizeOf(lens) != sizeOf(history->lens)) {
       bag.problem = "its images have " + sizeText(lens.width(), lens.height()) +
                     ", those of most bags " +
                     sizeText(history->lens.width(), history->lens.height());

@@ -9,6 +9,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -132,8 +133,12 @@ FileContents readFile(const std::string& path) {
     contents.error = failure("cannot read", path, errno);
     return contents;
   }
-  contents.bytes.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
-  if (!file) contents.error = path + " cannot be read";
+  try {
+    contents.bytes.assign(std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>());
+  } catch (const std::exception& e) {
+    // As libstdc++ tells of a disk that fails.
+    contents.error = "cannot read " + path + ": " + e.what();
+  }
   return contents;
 }
 

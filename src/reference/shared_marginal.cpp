@@ -75,7 +75,8 @@ class ScaledFactor {
 // observed.
 Eigen::MatrixXd lastInverseColumns(const SparseRows& jacobian, int n) {
   const ScaledFactor factor(jacobian);
-  if (!factor.usable()) return {};
+  // What nothing depends on has no scale: its scaled variance says nothing.
+  if (!factor.usable() || !(factor.scale().tail(n).minCoeff() > 0.0)) return {};
   Eigen::MatrixXd right = Eigen::MatrixXd::Zero(jacobian.cols(), n);
   right.bottomRows(n).setIdentity();
   const Eigen::MatrixXd solved = factor.solveScaled(right);

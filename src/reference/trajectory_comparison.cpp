@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <map>
 #include <utility>
 
@@ -15,8 +16,9 @@ namespace {
 
 constexpr std::int64_t kMaxGapNs = 250000000;
 constexpr std::int64_t kIntervalNs = 1000000000;
-// Two stamps so near to an interval apart make a pair for the relative error.
-constexpr std::int64_t kIntervalToleranceNs = 60000000;
+// Two stamps so near to an interval apart make a pair for the relative error: one of the two that
+// lie around it always is where the poses have no gap.
+constexpr std::int64_t kIntervalToleranceNs = kMaxGapNs / 2;
 constexpr std::size_t kMinPoses = 3;
 
 struct Pair {
@@ -99,21 +101,27 @@ struct RelativeError {
   double rotation_squares = 0.0;  // [rad^2]
 };
 
+void addRelativeError(const Pair& begin, const Pair& end, double scale, RelativeError* error) {
+  Rigid3 motion = begin.estimate.world_from_camera.inverse() * end.estimate.world_from_camera;
+  motion.translation *= scale;
+  const Rigid3 difference = (begin.reference.inverse() * end.reference).inverse() * motion;
+  ++error->count;
+  error->translation_squares += difference.translation.squaredNorm();
+  error->rotation_squares += logSo3(difference.rotation).squaredNorm();
+}
+
 void addRelativeErrors(const Pairs& pairs, double scale, RelativeError* error) {
-  std::size_t j = 0;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    const std::int64_t wanted = pairs[i].estimate.stamp_ns + kIntervalNs;
-    while (j < pairs.size() && pairs[j].estimate.stamp_ns < wanted) ++j;
-    if (j == pairs.size()) return;
-    if (pairs[j].estimate.stamp_ns - wanted > kIntervalToleranceNs) continue;
-    Rigid3 motion =
-        pairs[i].estimate.world_from_camera.inverse() * pairs[j].estimate.world_from_camera;
-    motion.translation *= scale;
-    const Rigid3 difference =
-        (pairs[i].reference.inverse() * pairs[j].reference).inverse() * motion;
-    ++error->count;
-    error->translation_squares += difference.translation.squaredNorm();
-    error->rotation_squares += logSo3(difference.rotation).squaredNorm();
+  std::size_t after = 0;
+  for (const Pair& begin : pairs) {
+    const std::int64_t wanted = begin.estimate.stamp_ns + kIntervalNs;
+    while (after < pairs.size() && pairs[after].estimate.stamp_ns < wanted) ++after;
+    if (after == pairs.size()) return;
+    const auto from_wanted = [wanted](const Pair& pair) {
+      return std::abs(pair.estimate.stamp_ns - wanted);
+    };
+    const bool earlier = from_wanted(pairs[after - 1]) < from_wanted(pairs[after]);
+    const Pair& end = pairs[earlier ? after - 1 : after];
+    if (from_wanted(end) <= kIntervalToleranceNs) addRelativeError(begin, end, scale, error);
   }
 }
 
@@ -147,10 +155,10 @@ std::optional<TrajectoryDifference> compareTrajectories(
   if (result.poses == 0) return std::nullopt;
   result.mean = sum / result.poses;
   result.rms = std::sqrt(squares / result.poses);
-  const int count = std::max(1, relative.count);
-  result.relative_translation = std::sqrt(relative.translation_squares / count);
-  result.relative_rotation_deg = std::sqrt(relative.rotation_squares / count) / kDegree;
   result.interval_s = toSeconds(kIntervalNs);
+  if (relative.count == 0) return result;
+  result.relative_translation = std::sqrt(relative.translation_squares / relative.count);
+  result.relative_rotation_deg = std::sqrt(relative.rotation_squares / relative.count) / kDegree;
   return result;
 }
 

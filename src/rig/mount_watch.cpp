@@ -12,6 +12,13 @@ namespace {
 // Keyframes that tell something: landmarks take three views, and a way.
 constexpr std::size_t kMinFrames = 5;
 
+bool sameModels(const Rig& a, const Rig& b) {
+  const auto same = [](const Camera& one, const Camera& other) {
+    return one.model() == other.model() && one.estimatedCount() == other.estimatedCount();
+  };
+  return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(), same);
+}
+
 }  // namespace
 
 void MountWatch::add(const RigFrame& frame) {
@@ -21,12 +28,21 @@ void MountWatch::add(const RigFrame& frame) {
   if (back || (!newest_.empty() && newest_.back().views.front().map_id != first.map_id)) {
     closeStretch();
   }
-  const auto again = [&](const RigLikelihood& stretch) {
-    return stretch.begin_ns <= frame.stamp_ns && frame.stamp_ns <= stretch.end_ns;
-  };
-  stretches_.erase(std::remove_if(stretches_.begin(), stretches_.end(), again), stretches_.end());
+  forgetAround(frame.stamp_ns);
   newest_.push_back(frame);
   if (static_cast<int>(newest_.size()) >= options_.mount_frames) closeStretch();
+}
+
+// Nothing is counted twice.
+void MountWatch::forgetAround(std::int64_t stamp_ns) {
+  const auto told = [&](const RigLikelihood& stretch) {
+    return stretch.begin_ns <= stamp_ns && stamp_ns <= stretch.end_ns;
+  };
+  const auto waits = [&](const Stretch& stretch) {
+    return stretch.front().stamp_ns <= stamp_ns && stamp_ns <= stretch.back().stamp_ns;
+  };
+  stretches_.erase(std::remove_if(stretches_.begin(), stretches_.end(), told), stretches_.end());
+  waiting_.erase(std::remove_if(waiting_.begin(), waiting_.end(), waits), waiting_.end());
 }
 
 void MountWatch::closeStretch() {
@@ -55,10 +71,7 @@ std::optional<RigLikelihood> MountWatch::likelihood(const Stretch& stretch,
 }
 
 void MountWatch::learn(RigLikelihood stretch) {
-  // Of another lens model.
-  if (!stretches_.empty() && stretches_.back().gradient.size() != stretch.gradient.size()) {
-    stretches_.clear();
-  }
+  if (!stretches_.empty() && !sameModels(stretches_.back().rig, stretch.rig)) stretches_.clear();
   stretches_.push_back(std::move(stretch));
   if (stretches_.size() > kMaxStretches) stretches_.pop_front();
 }
@@ -67,7 +80,7 @@ MountVerdict MountWatch::judge(const std::optional<RigLikelihood>& newest, const
   std::vector<RigLikelihood> all(stretches_.begin(), stretches_.end());
   if (newest) all.push_back(*newest);
   const auto fits = [&](const RigLikelihood& stretch) {
-    return stretch.gradient.size() == all.back().gradient.size();
+    return sameModels(stretch.rig, all.back().rig);
   };
   if (!std::all_of(all.begin(), all.end(), fits) || all.empty()) return {};
   const std::int64_t begin_ns = asked_ns_.value_or(all.front().begin_ns);

@@ -129,9 +129,11 @@ RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::Ma
   return estimate;
 }
 
-std::string lengthUnit(const RigEstimate& estimate) {
-  return estimate.metric ? "m" : "distances between the first two cameras";
+std::string lengthUnit(bool metric) {
+  return metric ? "m" : "distances between the first two cameras";
 }
+
+std::string lengthUnit(const RigEstimate& estimate) { return lengthUnit(estimate.metric); }
 
 void judgeRig(RigEstimate* estimate) {
   estimate->converged = true;

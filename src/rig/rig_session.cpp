@@ -48,6 +48,15 @@ CalibrationReport withJointIntrinsics(CalibrationReport report, const RigEstimat
   return report;
 }
 
+RigEstimate withVerdict(const RigReport& report) {
+  RigEstimate estimate = report.estimate;
+  if (report.state == CalibrationState::kConverged) return estimate;
+  estimate.converged = false;
+  estimate.sentence = report.sentence;
+  estimate.hint = report.hint;
+  return estimate;
+}
+
 RigSession::RigSession(const RigOptions& options, int cameras, const FindAcross& across)
     : options_(options),
       across_(across),
@@ -128,9 +137,10 @@ bool RigSession::due() const {
   return new_keyframes_ >= std::max(kMinNewKeyframes, calibrator_.frames() / kNewShare);
 }
 
+// Where no rig is known what waits stays, whether there is a solution or not.
 bool RigSession::mountsDue() const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return known_ ? watch_.due() : watch_.full();
+  return known_ ? watch_.due() : watch_.full() && new_keyframes_ >= kMinNewKeyframes;
 }
 
 RigReport RigSession::examineMounts() {
@@ -146,17 +156,24 @@ RigReport RigSession::examineMounts() {
 RigReport RigSession::solve() {
   Lock lock(mutex_);
   const std::optional<KnownRig> known = known_;
-  const bool changed = known && examine(*known, &lock);
+  const bool changed = known && examine(*known, &lock) == MountVerdict::Kind::kChange;
   const std::uint64_t epoch = report_.epoch;
   if (!changed) {
-    const RigEstimate estimate = solveJointly(&lock);
-    if (estimate.usable && !known_ && epoch == report_.epoch) {
-      examine({estimate.rig, estimate.inverse_depth}, &lock);
-    }
+    const RigEstimate estimate = known ? solveJointly(&lock) : solveFirst(&lock);
     if (epoch == report_.epoch) take(estimate);
   }
   lock.unlock();
   return report();
+}
+
+// Once more without the stretch that is found to be wrong, if there is one.
+RigEstimate RigSession::solveFirst(Lock* lock) {
+  const std::uint64_t epoch = report_.epoch;
+  const RigEstimate estimate = solveJointly(lock);
+  if (!estimate.usable || epoch != report_.epoch) return estimate;
+  const KnownRig together{estimate.rig, estimate.inverse_depth, estimate.metric};
+  const bool wrong = examine(together, lock) == MountVerdict::Kind::kOutlier;
+  return wrong ? solveJointly(lock) : estimate;
 }
 
 RigEstimate RigSession::solveJointly(Lock* lock) {
@@ -179,7 +196,7 @@ RigEstimate RigSession::solveJointly(Lock* lock) {
 
 // Whether a mount changed. The stretches are solved with each camera's own intrinsics: joint ones
 // may be from before.
-bool RigSession::examine(const KnownRig& known, Lock* lock) {
+MountVerdict::Kind RigSession::examine(const KnownRig& known, Lock* lock) {
   Rig rig = known.rig;
   for (std::size_t c = 0; c < lenses_.size(); ++c) rig.cameras[c] = lenses_[c].camera;
   const std::uint64_t epoch = report_.epoch;
@@ -195,26 +212,27 @@ bool RigSession::examine(const KnownRig& known, Lock* lock) {
   }
   const auto newest_told = newest.empty() ? std::nullopt : likelihood(newest);
   lock->lock();
-  if (epoch != report_.epoch || (told.empty() && !newest_told)) return false;
+  if (epoch != report_.epoch || (told.empty() && !newest_told)) return MountVerdict::Kind::kSame;
   for (RigLikelihood& one : told) watch_.learn(std::move(one));
-  return conclude(watch_.judge(newest_told, rig), known);
+  const MountVerdict verdict = watch_.judge(newest_told, rig);
+  conclude(verdict, known);
+  return verdict.kind;
 }
 
-bool RigSession::conclude(const MountVerdict& verdict, const KnownRig& known) {
+void RigSession::conclude(const MountVerdict& verdict, const KnownRig& known) {
   using Kind = MountVerdict::Kind;
   doubt_ = verdict.kind == Kind::kDoubt ? doubtText(verdict) : "";
   certain_ = verdict.kind == Kind::kDoubt && verdict.certain;
   if (verdict.kind == Kind::kOutlier) calibrator_.forget(verdict.begin_ns, verdict.end_ns);
-  if (verdict.kind != Kind::kChange) return false;
+  if (verdict.kind != Kind::kChange) return;
   calibrator_.forgetBefore(verdict.begin_ns);
-  known_ = {moved(known.rig, verdict.change), known.inverse_depth};
+  known_ = {moved(known.rig, verdict.change), known.inverse_depth, known.metric};
   MountChange change = verdict.change;
-  beginAnew(textOf(change) + forgottenBaseline());
+  beginAnew(textOf(change, known.metric) + forgottenBaseline());
   new_keyframes_ = calibrator_.frames();
   change.epoch = report_.epoch;
   change.sentence = report_.anew;
   remember(change);
-  return true;
 }
 
 void RigSession::remember(const MountChange& change) {
@@ -245,7 +263,7 @@ std::string RigSession::forgottenBaseline() {
 }
 
 // A rotation or shift that may be chance goes unmentioned where the other one is none.
-std::string RigSession::amountOf(const MountChange& change) const {
+std::string RigSession::amountOf(const MountChange& change, bool metric) const {
   constexpr double kChance = 0.0027;  // beyond 3 sigma
   const bool shifted = change.shiftPValue() < kChance;
   std::string text;
@@ -256,15 +274,15 @@ std::string RigSession::amountOf(const MountChange& change) const {
   }
   if (shifted) {
     text += formatted("moved by %.3f +- %.3f %s", change.shift.norm(), change.shiftSigma(),
-                      lengthUnit(report_.estimate).c_str());
+                      lengthUnit(metric).c_str());
   }
   return text;
 }
 
-std::string RigSession::textOf(const MountChange& change) const {
+std::string RigSession::textOf(const MountChange& change, bool metric) const {
   const std::string others = lenses_.size() == 2 ? nameOf(0) : "the others";
   const double seconds = toSeconds(change.onset_ns - first_ns_.value_or(0));
-  return nameOf(change.camera) + " was " + amountOf(change) +
+  return nameOf(change.camera) + " was " + amountOf(change, metric) +
          formatted(" against %s at %.1f s", others.c_str(), seconds);
 }
 
@@ -310,9 +328,10 @@ void RigSession::compareWithSaved(const RigEstimate& estimate) {
       changes.size() > 1 && static_cast<int>(changes.size()) + 1 == estimate.rig.size();
   for (MountChange& change : changes) {
     change.epoch = ++report_.epoch;
-    change.sentence = asSentence(
-        nameOf(change.camera) + " is not where it was when the rig was saved: it was " +
-        amountOf(change) + (first ? "; so were all others, or else " + nameOf(0) : "") + forgotten);
+    change.sentence =
+        asSentence(nameOf(change.camera) + " is not where it was when the rig was saved: it was " +
+                   amountOf(change, estimate.metric) +
+                   (first ? "; so were all others, or else " + nameOf(0) : "") + forgotten);
     remember(change);
   }
 }
@@ -329,7 +348,7 @@ void RigSession::take(RigEstimate estimate) {
                                           !report_.estimate.converged);
   report_.last_failure = better ? "" : estimate.sentence;
   if (!better) return;
-  known_ = {estimate.rig, estimate.inverse_depth};
+  known_ = {estimate.rig, estimate.inverse_depth, estimate.metric};
   restored_.reset();
   if (estimate.converged) report_.anew.clear();
   report_.estimate = std::move(estimate);

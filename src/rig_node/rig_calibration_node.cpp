@@ -18,7 +18,8 @@ namespace {
 
 using diagnostic_msgs::DiagnosticStatus;
 
-constexpr double kSilence = 2.0;  // [s]
+constexpr double kSilence = 2.0;     // [s]
+constexpr double kSaveAgain = 10.0;  // [s] after it failed
 
 std::string cameraText(const RigNodeOptions& options, int camera) {
   return formatted("camera %d (%s)", camera, options.image_topics[camera].c_str());
@@ -74,6 +75,8 @@ void RigCalibrationNode::start(const std::string& name) {
   ros::NodeHandle services(private_node_);
   services.setCallbackQueue(&service_queue_);
   save_ = services.advertiseService("save", &RigCalibrationNode::save, this);
+  save_timer_ = services.createWallTimer(ros::WallDuration(kSaveAgain),
+                                         [this](const ros::WallTimerEvent&) { saveAgain(); });
   service_spinner_ = std::make_unique<ros::AsyncSpinner>(1, &service_queue_);
   service_spinner_->start();
   for (const auto& port : ports_) port->input->subscribe();
@@ -82,8 +85,10 @@ void RigCalibrationNode::start(const std::string& name) {
 RigCalibrationNode::~RigCalibrationNode() {
   for (const auto& port : ports_) port->input->shutdown();
   timer_.stop();
+  save_timer_.stop();
   save_.shutdown();
   if (service_spinner_) service_spinner_->stop();
+  if (calibrator_) saveAgain();
   {
     const std::lock_guard<std::mutex> lock(report_mutex_);
     closing_ = true;
@@ -139,6 +144,7 @@ void RigCalibrationNode::onImage(int camera, InputImage image) {
   Port& port = *ports_[camera];
   const std::string foreign = port.watch.check(image.publisher);
   if (!foreign.empty()) image.gray = {std::nullopt, foreign};
+  if (image.gray.view) camera_info_->noteFrame(camera, image.header.frame_id);
   std::string problem = port.publisher->publish(image);
   const InputVerdict verdict = port.monitor.check(image.gray);
   if (verdict != InputVerdict::kUse) problem = port.monitor.counts().last_problem;
@@ -171,10 +177,21 @@ void RigCalibrationNode::onReport(const RigReport& report) {
     published_revision_ = report.revision;
   }
   tellState(report);
-  if (converged && store_->hasFile() && saved_revision_ != report.revision) {
-    saved_revision_ = report.revision;
-    saveTo(store_.get(), report);
-  }
+  if (tried_revision_ != report.revision) keep(report);
+}
+
+// Needs report_mutex_.
+void RigCalibrationNode::keep(const RigReport& report) {
+  const bool converged = report.state == CalibrationState::kConverged;
+  if (!converged || !store_->hasFile() || saved_revision_ == report.revision) return;
+  tried_revision_ = report.revision;
+  if (saveTo(store_.get(), report).success) saved_revision_ = report.revision;
+}
+
+// What could not be saved, and is new still.
+void RigCalibrationNode::saveAgain() {
+  const std::lock_guard<std::mutex> one_at_a_time(report_mutex_);
+  keep(calibrator_->report());
 }
 
 // A lens or a mount that changed, a new epoch, has an event of its own. Reports of several threads
@@ -250,9 +267,9 @@ CalibrationStore::Outcome RigCalibrationNode::saveTo(RigStore* store, const RigR
     states.push_back(calibrator_->state(c));
   }
   const CalibrationStore::Outcome outcome = store->save(report, infos, states);
-  if (!outcome.success) log_.warn(outcome.message);
   if (outcome.success) warnOfNotes(*store, report);
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (!outcome.success && outcome.message != saving_) log_.warn(outcome.message);
   saving_ = outcome.message;
   saving_failed_ = !outcome.success;
   return outcome;

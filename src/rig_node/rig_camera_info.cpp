@@ -86,11 +86,15 @@ const sensor_msgs::CameraInfo* RigCameraInfo::ofPair(int camera) const {
   return camera == pair_->left ? &pair_->left_info : &pair_->right_info;
 }
 
+void RigCameraInfo::noteFrame(int camera, const std::string& frame) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  frames_[camera] = frame;
+}
+
 sensor_msgs::CameraInfo RigCameraInfo::infoFor(int camera, const std_msgs::Header& header,
-                                               int width, int height) {
+                                               int width, int height) const {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (!header.frame_id.empty()) frames_[camera] = header.frame_id;  // files have none
     const sensor_msgs::CameraInfo* info = ofPair(camera);
     if (info && static_cast<int>(info->width) == width &&
         static_cast<int>(info->height) == height) {

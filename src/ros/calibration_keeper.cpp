@@ -36,7 +36,7 @@ ControlOptions controlOptions(const NodeOptions& options, const std::string& cam
 CalibrationKeeper::CalibrationKeeper(const ros::NodeHandle& private_node,
                                      const NodeOptions& options, const std::string& name,
                                      const std::string& image_topic, CalibrationSession* session,
-                                     CameraInfoPolicy* camera_info, Saved saved)
+                                     CameraInfoPolicy* camera_info, SizeMemory* sizes, Saved saved)
     : node_(private_node), model_(options.pipeline.model) {
   const std::string camera_name = cameraName(options, name);
   store_ = std::make_unique<CalibrationStore>(storeOptions(options, camera_name));
@@ -55,6 +55,7 @@ CalibrationKeeper::CalibrationKeeper(const ros::NodeHandle& private_node,
     return camera_info->infoFor(std_msgs::Header(), camera.width(), camera.height());
   };
   targets.camera_info = camera_info;
+  targets.sizes = sizes;
   targets.store = store_.get();
   targets.fallback_store = fallback_store_.get();
   targets.saved = std::move(saved);

@@ -9,29 +9,27 @@
 #include <system_error>
 
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/base/text.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/ros/calibration_yaml.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/model_conversion.h"
 
 namespace camera_self_calibration {
 namespace {
 
-struct NamedInfo {
-  std::string name;
-  sensor_msgs::CameraInfo info;
-};
-
-std::optional<NamedInfo> parse(const std::string& text) {
-  if (!isText(text) || hasListThatEndsInColon(text)) return std::nullopt;
-  NamedInfo result;
-  std::istringstream in(text);
+std::optional<NamedCameraInfo> parse(const std::string& text, std::string* problem) {
   try {
-    if (camera_calibration_parsers::readCalibrationYml(in, result.name, result.info)) return result;
-  } catch (const std::exception&) {
-    // Said by the caller.
+    return parseCalibrationYaml(text);
+  } catch (const std::exception& e) {
+    *problem = e.what();
+    return std::nullopt;
   }
-  return std::nullopt;
+}
+
+// R and P of one of a stereo pair: more than one camera can know of itself.
+bool isOfAPair(const sensor_msgs::CameraInfo& info) {
+  const bool turned = info.R[1] != 0.0 || info.R[2] != 0.0 || info.R[5] != 0.0;
+  return turned || info.P[3] != 0.0 || info.P[7] != 0.0;
 }
 
 // Moved or removed by the user, not by this program.
@@ -101,8 +99,11 @@ CalibrationStore::KnownCalibration CalibrationStore::readCalibration(
         std::nullopt, "the calibration file " + path + " is not used: " + why + kLeftUntouched};
   };
   if (!contents.error.empty()) return refused(contents.error);
-  const std::optional<NamedInfo> named = parse(contents.bytes);
-  if (!named) return refused("it is no calibration that camera_info_manager can read");
+  std::string problem;
+  const std::optional<NamedCameraInfo> named = parse(contents.bytes, &problem);
+  if (!named) {
+    return refused("it is no calibration that camera_info_manager can read: " + problem);
+  }
   if (named->name != options_.camera_name) {
     return refused("it is for the camera '" + named->name + "', this one has the name '" +
                    options_.camera_name + "'");
@@ -115,7 +116,7 @@ CalibrationStore::KnownCalibration CalibrationStore::readCalibration(
   }
   const std::optional<CameraFit> start = startFrom(named->info, model);
   if (!start) return refused(whyNoStart(named->info, model));
-  return {start, ""};
+  return {start, "", isOfAPair(named->info) ? contents.bytes : ""};
 }
 
 CalibrationStore::Outcome CalibrationStore::save(const LearntState& state,
@@ -195,11 +196,16 @@ std::string CalibrationStore::saveCalibration(std::optional<CameraModel> model,
   const KnownCalibration known =
       readCalibration(model, static_cast<int>(info.width), static_cast<int>(info.height));
   if (!known.refusal.empty()) return known.refusal;
+  std::string problem;
   std::ostringstream text;
   text.precision(17);
   if (!camera_calibration_parsers::writeCalibrationYml(text, options_.camera_name, info) ||
-      !parse(text.str())) {
+      !parse(text.str(), &problem)) {
     return "the calibration cannot be put into the format of " + path;
+  }
+  if (!known.of_a_pair.empty() && !isOfAPair(info)) {
+    const std::string error = writeFileAtomically(path + ".previous", known.of_a_pair);
+    if (!error.empty()) return error;
   }
   return writeFileAtomically(path, text.str());
 }

@@ -84,6 +84,7 @@ void CameraInfoPolicy::withdraw() {
 std::string CameraInfoPolicy::follow(const CalibrationReport& report) {
   const bool converged = report.state == CalibrationState::kConverged;
   std::string judged;
+  std::uint64_t orders = 0;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (awaits_beginning_ && converged) return {};
@@ -104,8 +105,10 @@ std::string CameraInfoPolicy::follow(const CalibrationReport& report) {
       return {};
     }
     judged = judgement(report);
+    orders = orders_;
   }
-  return joined(judged, publish(report.camera, converged));
+  const std::optional<std::string> warning = publish(report.camera, converged, orders);
+  return warning ? joined(judged, *warning) : "";
 }
 
 // Of a calibration that was given, by the first estimate that the images gave.
@@ -121,6 +124,7 @@ std::string CameraInfoPolicy::judgement(const CalibrationReport& report) const {
 
 void CameraInfoPolicy::accept(const Camera& camera, const sensor_msgs::CameraInfo& info) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  ++orders_;
   camera_ = camera;
   forgetLastGood();
   published_ = CameraInfoConversion{info, {}};
@@ -137,11 +141,12 @@ void CameraInfoPolicy::forgetLastGood() {
 
 void CameraInfoPolicy::forget() {
   const std::lock_guard<std::mutex> lock(mutex_);
+  ++orders_;
   inherited_ = given_ = awaits_beginning_ = false;
 }
 
 void CameraInfoPolicy::inherit(const Camera& camera) {
-  publish(camera, true);
+  if (!publish(camera, true, orders_)) return;
   const std::lock_guard<std::mutex> lock(mutex_);
   inherited_ = published_.has_value();
   forgetLastGood();
@@ -149,8 +154,10 @@ void CameraInfoPolicy::inherit(const Camera& camera) {
   inherited_epoch_known_ = false;
 }
 
-// Unlocked while it fits, since images must not wait; only this thread changes what is published.
-std::string CameraInfoPolicy::publish(const Camera& camera, bool converged) {
+// Unlocked while it fits, since images must not wait. What was ordered meanwhile, after `orders`,
+// stays: then there is no warning, not even an empty one.
+std::optional<std::string> CameraInfoPolicy::publish(const Camera& camera, bool converged,
+                                                     std::uint64_t orders) {
   std::optional<CameraInfoConversion> conversion = toCameraInfo(camera, options_.model);
   std::string warning;
   if (!conversion || !std::isfinite(conversion->error.max)) {
@@ -165,8 +172,9 @@ std::string CameraInfoPolicy::publish(const Camera& camera, bool converged) {
         "it closer, %s.",
         conversion->info.distortion_model.c_str(), conversion->error.max, remedy(camera).c_str());
   }
-  if (conversion) setProjection(converged, &conversion->info);
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (orders != orders_) return std::nullopt;
+  if (conversion) setProjection(converged, &conversion->info);
   camera_ = camera;
   warning_ = warning;
   published_ = std::move(conversion);

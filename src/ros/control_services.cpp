@@ -93,8 +93,8 @@ void ControlServices::autosave(bool at_once) {
   if (!now->report.isGoodNow()) return;
   last_save_ = ros::WallTime::now();
   const CalibrationStore::Outcome outcome = saveTo(targets_.store, *now, info);
-  // What cannot be saved is tried again with the next estimate, and said once.
-  saved_ = now->state;
+  // What cannot be saved is tried again after the interval and at the end, and said once.
+  if (outcome.success) saved_ = now->state;
   if (!outcome.success && outcome.message != last_problem_) {
     ROS_WARN_STREAM(node_.getNamespace() << ": " << outcome.message);
   }
@@ -117,6 +117,7 @@ bool ControlServices::reset(Trigger::Request&, Trigger::Response& response) {
   });
   if (done) {
     targets_.camera_info->forget();
+    targets_.sizes->forget();
     targets_.store->beginAnew();
   }
   if (!problem.empty()) ROS_WARN_STREAM(node_.getNamespace() << ": " << problem);
@@ -233,6 +234,7 @@ bool ControlServices::setCameraInfo(sensor_msgs::SetCameraInfo::Request& request
     response.status_message = "The calibration is not used: " + problem + ".";
     return true;
   }
+  targets_.sizes->forget();
   targets_.store->beginAnew();
   const CalibrationStore::Outcome saving = targets_.store->saveGiven(options_.pipeline.model, info);
   if (targets_.saved && targets_.store->hasFile()) targets_.saved(saving);

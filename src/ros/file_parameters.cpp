@@ -52,11 +52,16 @@ std::vector<std::string> keepingProblems(const NodeOptions& options) {
 
 std::vector<std::string> sameFileProblems(const NodeOptions& options, const std::string& name) {
   const std::string camera = cameraName(options, name);
+  const std::string calibration = resolveCalibrationUrl(options.camera_info_url, camera).path;
   const std::string state = resolvePath(options.state_file, camera).path;
+  const auto previous = [](const std::string& path) {
+    return path.empty() ? path : path + ".previous";
+  };
   const std::vector<std::pair<std::string, std::string>> files = {
-      {"camera_info_url", resolveCalibrationUrl(options.camera_info_url, camera).path},
+      {"camera_info_url", calibration},
+      {"camera_info_url with .previous", previous(calibration)},
       {"state_file", state},
-      {"state_file with .previous", state.empty() ? "" : state + ".previous"},
+      {"state_file with .previous", previous(state)},
       {"report_file", resolvePath(options.report_file, camera).path},
       {"mask_url", resolvePath(options.mask_url, camera).path}};
   std::vector<std::string> problems;

@@ -33,10 +33,12 @@ InputVerdict InputMonitor::check(const GrayImage& image) {
   }
   const std::string misfit = mask_ ? maskMisfit(*mask_, image.view->width, image.view->height) : "";
   if (!misfit.empty()) return reject(misfit);
+  // First, since a new size is told with one image, which must not be left out.
+  const std::string late = lateness(image.view->stamp_ns);
+  if (!late.empty()) return reject(late);
   const InputVerdict size = checkSize(*image.view);
   if (size == InputVerdict::kReject) return size;
-  const InputVerdict time = checkTime(image.view->stamp_ns);
-  if (time == InputVerdict::kReject) return time;
+  const InputVerdict time = takeTime(image.view->stamp_ns);
   ++counts_.used;
   return size == InputVerdict::kNewSize ? size : time;
 }
@@ -74,13 +76,16 @@ InputVerdict InputMonitor::refuseNewSize(const std::string& change) {
   return reject(refusal);
 }
 
-InputVerdict InputMonitor::checkTime(std::int64_t stamp_ns) {
+std::string InputMonitor::lateness(std::int64_t stamp_ns) const {
+  const std::int64_t step_ns = stamp_ns - last_stamp_ns_;
+  if (counts_.used == 0 || step_ns > 0 || step_ns <= -kJumpNs) return "";
+  return "an image is not later than the one before it (the stamps differ by " +
+         std::to_string(step_ns / 1000000) + " ms)";
+}
+
+InputVerdict InputMonitor::takeTime(std::int64_t stamp_ns) {
   const bool first = counts_.used == 0;
   const std::int64_t step_ns = stamp_ns - last_stamp_ns_;
-  if (!first && step_ns <= 0 && step_ns > -kJumpNs) {
-    return reject("an image is not later than the one before it (the stamps differ by " +
-                  std::to_string(step_ns / 1000000) + " ms)");
-  }
   last_stamp_ns_ = stamp_ns;
   if (first) return InputVerdict::kUse;
   if (step_ns < 0) {

@@ -83,6 +83,7 @@ SelfCalibrationNode::SelfCalibrationNode(const ros::NodeHandle& node,
   if (factory_) factory_->subscribe(node_);
   keeper_ = std::make_unique<CalibrationKeeper>(
       private_node_, options_, name, input_->topic(), session_.get(), camera_info_policy_.get(),
+      size_memory_.get(),
       [this](const CalibrationStore::Outcome& outcome) { diagnostics_->update(outcome); });
   diagnostics_->setKeeps(keeper_->keeps());
   live_parameters_ = std::make_unique<LiveParameters>(

@@ -12,9 +12,17 @@ void SizeMemory::update(const CalibrationReport& report) {
   const std::lock_guard<std::mutex> lock(mutex_);
   if (epoch_ && *epoch_ != report.epoch) learnt_.clear();
   epoch_ = report.epoch;
-  if (report.state != CalibrationState::kConverged) return;
+  const bool converged = report.state == CalibrationState::kConverged;
+  awaits_beginning_ = awaits_beginning_ && converged;
+  if (!converged || awaits_beginning_) return;
   newest_ = {report.camera.width(), report.camera.height()};
   learnt_[newest_] = {report.camera, window_};
+}
+
+void SizeMemory::forget() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  learnt_.clear();
+  awaits_beginning_ = true;
 }
 
 bool SizeMemory::windowMoved(int width, int height) {
@@ -34,6 +42,7 @@ std::optional<SizeMemory::Known> SizeMemory::begin(int width, int height) {
   window_ = window;
   epoch_.reset();
   moved_images_ = 0;
+  awaits_beginning_ = false;
   std::optional<Known> known = rescaled();
   return known ? known : seenBefore({width, height});
 }

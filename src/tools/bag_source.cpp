@@ -96,12 +96,23 @@ struct BagReader {
   }
 };
 
-/// Limits the view to [start, start + duration) after the topic's first message.
-void selectTimes(const std::string& topic, const SourceOptions& options, BagReader* reader) {
-  const rosbag::TopicQuery query(topic);
+/// When the last of those topics begins that have messages.
+ros::Time beginOf(const std::vector<std::string>& topics, const rosbag::Bag& bag) {
+  ros::Time begin = ros::TIME_MIN;
+  for (const std::string& topic : topics) {
+    rosbag::View view(bag, rosbag::TopicQuery(topic));
+    if (view.size() > 0) begin = std::max(begin, view.getBeginTime());
+  }
+  return begin;
+}
+
+/// Limits the view of the first topic to [start, start + duration) after all of them have begun.
+void selectTimes(const std::vector<std::string>& topics, const SourceOptions& options,
+                 BagReader* reader) {
+  const rosbag::TopicQuery query(topics.front());
   reader->view = std::make_unique<rosbag::View>(reader->bag, query);
   if (reader->view->size() > 0 && (options.start_seconds > 0.0 || options.duration_seconds > 0.0)) {
-    const ros::Time begin = reader->view->getBeginTime() + ros::Duration(options.start_seconds);
+    const ros::Time begin = beginOf(topics, reader->bag) + ros::Duration(options.start_seconds);
     ros::Time end = ros::TIME_MAX;
     if (options.duration_seconds > 0.0) {
       end = begin + ros::Duration(options.duration_seconds) - ros::Duration(0, 1);
@@ -123,11 +134,14 @@ std::optional<GrayImage> readNext(BagReader* reader, const std::string& path) {
 ImageSource openHere(const SourceOptions& options) {
   const auto reader = std::make_shared<BagReader>();
   openReadable(options.path, &reader->bag);
-  const std::string topic = chosenTopic(imageTopics(reader->bag), options.topic);
+  const std::vector<std::string> there = imageTopics(reader->bag);
+  const std::string topic = chosenTopic(there, options.topic);
   ImageSource source;
   source.name = topic;
   if (!topic.empty()) {
-    selectTimes(topic, options, reader.get());
+    std::vector<std::string> topics = {topic};
+    for (const std::string& other : options.together) topics.push_back(chosenTopic(there, other));
+    selectTimes(topics, options, reader.get());
     source.count = reader->view->size();
   }
   source.next = [reader, path = options.path] { return readNext(reader.get(), path); };

@@ -115,7 +115,7 @@ void warnOfTruth(const CalibrateBagArguments& arguments,
 }
 
 int runRig(const CalibrateBagArguments& arguments) {
-  const ResultsFolder folder(arguments.out);
+  const ResultsFolder folder(arguments.out, static_cast<int>(arguments.topics.size()));
   RigExtras extras = arguments.rig;
   extras.stop = interrupted;
   const RigRecording recording =

@@ -16,6 +16,7 @@ namespace {
 /// A topic and its compressed form have one name.
 std::vector<ImageSource> openTopics(SourceOptions source, const std::vector<std::string>& topics) {
   std::vector<ImageSource> sources;
+  source.together = topics;
   for (const std::string& topic : topics) {
     source.topic = topic;
     sources.push_back(openImages(source));
@@ -140,12 +141,9 @@ void together(const SourceOptions& source, const std::vector<std::string>& topic
   const RigReport report =
       follow(rig_options, options, extras.stop, openTopics(source, topics), recording, &way);
   if (!recording->complete) return;
-  recording->estimate = report.estimate;
+  recording->estimate = withVerdict(report);
   recording->mount_changes = report.mount_changes;
-  if (!recording->estimate.usable) {
-    recording->estimate.sentence = report.sentence;
-    return;
-  }
+  if (!recording->estimate.usable) return;
   // What is not believed of the rig, as where clocks disagree, replaces nothing. A lens that was
   // good enough once may be so again jointly, hence not atTheEnd() of its own video.
   for (std::size_t c = 0; recording->estimate.converged && c < recording->cameras.size(); ++c) {

@@ -1,5 +1,6 @@
 #include "camera_self_calibration/tools/example_image.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -11,6 +12,13 @@ namespace camera_self_calibration {
 namespace {
 
 constexpr double kWidest = 120.0;  // of an undistorted image [deg]
+
+// Turns the optical axis to what the middle of the image shows.
+Eigen::Quaterniond towardsMiddle(const Camera& camera) {
+  const auto middle = camera.unproject({0.5 * (camera.width() - 1), 0.5 * (camera.height() - 1)});
+  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(),
+                                            middle.value_or(Eigen::Vector3d::UnitZ()));
+}
 
 }  // namespace
 
@@ -31,13 +39,14 @@ cv::Mat undistorted(const cv::Mat& gray, const Camera& camera) {
   const double horizontal = fieldOfView(camera).horizontal;
   const double width = std::isfinite(horizontal) ? std::min(horizontal, kWidest) : kWidest;
   const double focal = 0.5 * (gray.cols - 1) / std::tan(0.5 * width * kDegree);
+  const Eigen::Quaterniond camera_from_view = towardsMiddle(camera);
   cv::Mat x(gray.size(), CV_32FC1), y(gray.size(), CV_32FC1);
   for (int row = 0; row < gray.rows; ++row) {
     for (int column = 0; column < gray.cols; ++column) {
       const Eigen::Vector3d ray((column - 0.5 * (gray.cols - 1)) / focal,
                                 (row - 0.5 * (gray.rows - 1)) / focal, 1.0);
       Eigen::Vector2d pixel;
-      const bool seen = camera.project(ray, &pixel);
+      const bool seen = camera.project(camera_from_view * ray, &pixel);
       x.at<float>(row, column) = seen ? static_cast<float>(pixel.x()) : -1e4f;
       y.at<float>(row, column) = seen ? static_cast<float>(pixel.y()) : -1e4f;
     }

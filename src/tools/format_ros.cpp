@@ -7,6 +7,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "camera_self_calibration/ros/calibration_yaml.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/model_conversion.h"
 #include "camera_self_calibration/ros/sensor_window.h"
@@ -15,30 +16,9 @@
 namespace camera_self_calibration {
 namespace {
 
-YAML::Node need(const YAML::Node& yaml, const char* key) {
-  const YAML::Node value = yaml[key];
-  if (!value) throw std::runtime_error(std::string("'") + key + "' is missing");
-  return value;
-}
-
-/// A matrix whose size and values agree; `rows` and `columns` of -1 may be any.
-void checkMatrix(const YAML::Node& yaml, const char* key, int rows, int columns) {
-  const YAML::Node matrix = need(yaml, key);
-  if (!matrix.IsMap()) throw std::runtime_error(std::string("'") + key + "' is no matrix");
-  const int found_rows = need(matrix, "rows").as<int>();
-  const int found_columns = need(matrix, "cols").as<int>();
-  const auto count = static_cast<int>(need(matrix, "data").as<std::vector<double>>().size());
-  const bool size_fits =
-      (rows < 0 || found_rows == rows) && (columns < 0 || found_columns == columns);
-  if (size_fits && found_rows * found_columns == count) return;
-  throw std::runtime_error(std::string("'") + key + "' of " + std::to_string(found_rows) + " x " +
-                           std::to_string(found_columns) + " has " + std::to_string(count) +
-                           " values");
-}
-
 /// Values of a list under a key, of this number (or any, if it is 0).
 std::vector<double> list(const YAML::Node& yaml, const char* key, std::size_t count) {
-  const auto values = need(yaml, key).as<std::vector<double>>();
+  const auto values = neededValue(yaml, key).as<std::vector<double>>();
   if (count == 0 || values.size() == count) return values;
   throw std::runtime_error(std::string("'") + key + "' has " + std::to_string(values.size()) +
                            " values, not " + std::to_string(count));
@@ -53,9 +33,9 @@ std::uint32_t orZero(const YAML::Node& yaml, const char* key) {
 /// A sensor_msgs/CameraInfo as rostopic prints it.
 sensor_msgs::CameraInfo messageOf(const YAML::Node& yaml) {
   sensor_msgs::CameraInfo info;
-  info.width = need(yaml, "width").as<std::uint32_t>();
-  info.height = need(yaml, "height").as<std::uint32_t>();
-  info.distortion_model = need(yaml, "distortion_model").as<std::string>();
+  info.width = neededValue(yaml, "width").as<std::uint32_t>();
+  info.height = neededValue(yaml, "height").as<std::uint32_t>();
+  info.distortion_model = neededValue(yaml, "distortion_model").as<std::string>();
   info.D = list(yaml, "D", 0);
   const std::vector<double> k = list(yaml, "K", 9);
   std::copy(k.begin(), k.end(), info.K.begin());
@@ -96,21 +76,6 @@ bool hasWindow(const sensor_msgs::CameraInfo& info) {
          window->imageHeight() != window->full_height;
 }
 
-/// The parser of ROS ends the process where a matrix has an unexpected size.
-void checkRosKeys(const std::string& text) {
-  const YAML::Node yaml = YAML::Load(text);
-  if (!yaml.IsMap()) throw std::runtime_error("it holds no keys and values");
-  for (const char* key : {"image_width", "image_height"}) {
-    if (need(yaml, key).as<int>() <= 0) {
-      throw std::runtime_error(std::string("'") + key + "' is not positive");
-    }
-  }
-  checkMatrix(yaml, "camera_matrix", 3, 3);
-  checkMatrix(yaml, "rectification_matrix", 3, 3);
-  checkMatrix(yaml, "projection_matrix", 3, 4);
-  checkMatrix(yaml, "distortion_coefficients", -1, -1);
-}
-
 }  // namespace
 
 StoredCalibration parseRos(const std::string& text) {
@@ -122,11 +87,9 @@ StoredCalibration parseRos(const std::string& text) {
   if (first.IsMap() && first["K"]) {
     info = messageOf(first);
   } else {
-    checkRosKeys(text);
-    std::istringstream stream(text);
-    if (!camera_calibration_parsers::readCalibrationYml(stream, stored.name, info)) {
-      throw std::runtime_error("it is no calibration in the YAML format of ROS");
-    }
+    const NamedCameraInfo named = parseCalibrationYaml(text);
+    info = named.info;
+    stored.name = named.name;
     if (!first["camera_name"]) stored.name.clear();  // the parser makes one up
   }
   const std::optional<Camera> camera = toCamera(info);
@@ -155,15 +118,16 @@ std::string rosText(const Camera& camera, const CalibrationLabels& labels) {
 
 StoredCalibration parsePlain(const std::string& text) {
   const YAML::Node yaml = YAML::Load(text);
-  const std::string name = need(yaml, "model").as<std::string>();
+  const std::string name = neededValue(yaml, "model").as<std::string>();
   const std::optional<CameraModel> model = cameraModelFromString(name);
   if (!model) {
     throw std::runtime_error("the model '" + name +
                              "' is not one of pinhole, fov, radtan (or plumb_bob), equidistant");
   }
   return {{},
-          makeCamera(*model, need(yaml, "width").as<int>(), need(yaml, "height").as<int>(),
-                     need(yaml, "params").as<std::vector<double>>())};
+          makeCamera(*model, neededValue(yaml, "width").as<int>(),
+                     neededValue(yaml, "height").as<int>(),
+                     neededValue(yaml, "params").as<std::vector<double>>())};
 }
 
 std::string plainText(const Camera& camera) {

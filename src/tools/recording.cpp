@@ -11,6 +11,7 @@
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/ros/messages.h"
 #include "camera_self_calibration/tools/calibration_file.h"
+#include "camera_self_calibration/tools/results_folder.h"
 #include "csv_text.h"
 
 namespace camera_self_calibration {
@@ -178,10 +179,7 @@ std::vector<std::string> writeCalibrations(const fs::path& folder, const std::st
   const CalibrationReport& report = recording.final_report;
   const fs::path ros_file = folder / "calibration.yaml";
   const fs::path kalibr_file = folder / "camchain.yaml";
-  // An estimate that is not good enough must not be taken for a calibration, nor an older file for
-  // the result of this run.
-  fs::remove(ros_file);
-  fs::remove(kalibr_file);
+  // An estimate that is not good enough must not be taken for a calibration.
   if (report.state != CalibrationState::kConverged) return {};
   CalibrationLabels labels;
   labels.topic = topic;
@@ -241,6 +239,7 @@ Json summaryJson(const Recording& recording, const Json& extra) {
 
 std::vector<std::string> writeRecording(const std::string& folder, const std::string& topic,
                                         const Recording& recording, const Json& extra) {
+  removeResults(folder);
   const fs::path path(folder);
   writeFile(path / "trajectory.tum",
             [&](std::ostream& file) { writeTrajectory(recording, false, file); });

@@ -8,6 +8,7 @@
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/tools/fleet_results.h"
+#include "camera_self_calibration/tools/results_folder.h"
 #include "camera_self_calibration/tools/rig_results.h"
 #include "html_page.h"
 #include "report_numbers.h"

@@ -13,6 +13,7 @@
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 #include "camera_self_calibration/tools/report_text.h"
+#include "camera_self_calibration/tools/results_folder.h"
 #include "camera_self_calibration/tools/rig_files.h"
 #include "camera_self_calibration/tools/trajectory_results.h"
 
@@ -122,7 +123,6 @@ std::vector<std::string> writePair(const fs::path& folder, const RigRecording& r
 }
 
 std::vector<std::string> writeCalibration(const fs::path& folder, const RigRecording& recording) {
-  for (const char* name : {"camchain.yaml", "left.yaml", "right.yaml"}) fs::remove(folder / name);
   if (!recording.converged()) return {};
   const RigEstimate& estimate = recording.estimate;
   const std::string chain = rigCamchain(estimate.rig, recording.topics, scaleNote(estimate));
@@ -191,9 +191,8 @@ std::string rigState(const RigRecording& recording) {
   return recording.estimate.usable ? toString(recording.state()) : "UNKNOWN";
 }
 
-std::string cameraFolder(int camera) { return formatted("cam%d", camera); }
-
 std::vector<std::string> writeRig(const std::string& folder, const RigRecording& recording) {
+  removeResults(folder);
   const fs::path path(folder);
   std::vector<std::string> notes;
   for (std::size_t c = 0; c < recording.cameras.size(); ++c) {

@@ -38,14 +38,20 @@ Json differenceJson(const std::optional<TrajectoryDifference>& difference) {
           {"rpe_rotation_deg_rms", difference->relative_rotation_deg}};
 }
 
+std::string relativeText(const TrajectoryDifference& difference) {
+  if (!std::isfinite(difference.relative_translation)) {
+    return formatted("unknown (no poses %.0f s apart)", difference.interval_s);
+  }
+  return formatted("%.4f and %.3f deg over %.0f s", difference.relative_translation,
+                   difference.relative_rotation_deg, difference.interval_s);
+}
+
 }  // namespace
 
 std::string truthText(const char* what, const std::optional<TrajectoryDifference>& difference) {
   if (!difference) return {};
-  return formatted("  %s: ATE %.4f, RPE %.4f and %.3f deg over %.0f s; %.1f travelled\n", what,
-                   difference->rms, difference->relative_translation,
-                   difference->relative_rotation_deg, difference->interval_s,
-                   difference->travelled);
+  return formatted("  %s: ATE %.4f, RPE %s; %.1f travelled\n", what, difference->rms,
+                   relativeText(*difference).c_str(), difference->travelled);
 }
 
 TrajectoryResults compareTrajectories(const Recording& recording,

@@ -23,6 +23,15 @@ TEST(FieldOfView, MayBeWiderThanAHalfSpace) {
   EXPECT_NEAR(fieldOfView(fisheye).horizontal, 360.0 / M_PI * 319.5 / 180.0, 1e-6);
 }
 
+// As of a region of interest at the border of a sensor.
+TEST(FieldOfView, MayLieOnOneSideOfTheAxis) {
+  const FieldOfView field =
+      fieldOfView(camera640(CameraModel::kPinhole, {320.0, 320.0, -320.0, 239.5}));
+  EXPECT_NEAR(field.horizontal, 180.0 / M_PI * std::atan(959.0 / 320.0) - 45.0, 1e-9);
+  EXPECT_GT(field.diagonal, field.horizontal);
+  EXPECT_LT(field.diagonal, 60.0);
+}
+
 TEST(FieldOfView, IsUnknownWhereTheBorderHasNoRay) {
   const Camera folded = camera640(CameraModel::kRadtan, {300, 300, 320, 240, -0.5, 0, 0, 0});
   EXPECT_TRUE(std::isnan(fieldOfView(folded).diagonal));

@@ -71,6 +71,23 @@ TEST(CameraHistory, BagsOfAnotherSizeOrModelAreNamed) {
   EXPECT_EQ(found.lens.model(), CameraModel::kFov);
 }
 
+// However many models the bags of one size chose.
+TEST(CameraHistory, TheCommonestSizeCountsBeforeTheCommonestModel) {
+  std::vector<BagRecord> records;
+  for (int day = 0; day < 10; ++day) records.push_back(recordOn(day, 1.0));
+  for (std::size_t i = 3; i < 6; ++i) {
+    records[i].lens = ordinaryCameras()[0];
+    records[i].covariance = IntrinsicsMatrix::Identity(4, 4);
+  }
+  for (std::size_t i = 6; i < 10; ++i) {
+    records[i].lens = Camera::defaultGuess(CameraModel::kFov, 1280, 720);
+  }
+  const CameraHistory found = histories(records).at(0);
+  EXPECT_EQ(found.lens.width(), 640);
+  EXPECT_TRUE(found.bags[0].problem.empty()) << found.bags[0].problem;
+  EXPECT_NE(found.bags[9].problem.find("those of most bags 640 x 480"), std::string::npos);
+}
+
 TEST(CameraHistory, WhatABagDoubtsBeyondItsNoiseCounts) {
   std::vector<BagRecord> records;
   for (int day = 0; day < 4; ++day) records.push_back(recordOn(day, day < 2 ? 1.0 : 1.003));

@@ -99,6 +99,16 @@ TEST_F(AtomicFile, SaysWhyItCannotRead) {
   EXPECT_NE(unknown.error.find(std::strerror(ELOOP)), std::string::npos) << unknown.error;
 }
 
+// As of a disk that fails: at its beginning no memory is mapped.
+TEST_F(AtomicFile, SaysThatReadingFails) {
+  const std::string path = "/proc/self/mem";
+  if (!fs::exists(path)) GTEST_SKIP();
+  const FileContents contents = readFile(path);
+  EXPECT_TRUE(contents.exists);
+  EXPECT_NE(contents.error.find(path), std::string::npos) << contents.error;
+  EXPECT_TRUE(contents.bytes.empty());
+}
+
 // A disk that is full: the old contents stay.
 TEST_F(AtomicFile, AFullDiskLeavesTheOldContents) {
   if (!fs::exists("/dev/full")) GTEST_SKIP();

@@ -1,12 +1,16 @@
+#include <ceres/problem.h>
+#include <ceres/sized_cost_function.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <cmath>
 #include <iostream>
+#include <optional>
 
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/reference/batch.h"
+#include "camera_self_calibration/reference/shared_marginal.h"
 #include "reference/batch_scene.h"
 
 namespace camera_self_calibration {
@@ -126,6 +130,37 @@ TEST(BatchCovariance, NothingWithoutAGauge) {
   EXPECT_FALSE(batchCovariance({{&segment, 0, -1, 1.0}}, kFov, {}));
   EXPECT_FALSE(batchCovariance({{&segment, 1, -1, 1.0}}, kFov, {}));
   EXPECT_TRUE(batchCovariance({{&segment, 1, 0, 1.0}}, kFov, {}));
+}
+
+// Residuals `x` and `slope * y`.
+struct TwoLines : ceres::SizedCostFunction<2, 1, 1> {
+  explicit TwoLines(double slope_of_y) : slope(slope_of_y) {}
+
+  bool Evaluate(const double* const* variables, double* residuals,
+                double** jacobians) const override {
+    residuals[0] = variables[0][0];
+    residuals[1] = slope * variables[1][0];
+    if (jacobians == nullptr) return true;
+    if (jacobians[0] != nullptr) Eigen::Map<Eigen::Vector2d>(jacobians[0]) << 1.0, 0.0;
+    if (jacobians[1] != nullptr) Eigen::Map<Eigen::Vector2d>(jacobians[1]) << 0.0, slope;
+    return true;
+  }
+
+  double slope;
+};
+
+std::optional<SharedMarginal> marginalOfLine(double slope) {
+  double x = 0.0, y = 0.0;
+  ceres::Problem problem;
+  problem.AddResidualBlock(new TwoLines(slope), nullptr, &x, &y);
+  return sharedMarginal(&problem, {&x, &y}, 1, {0});
+}
+
+TEST(SharedMarginal, NothingOfWhatNoResidualDependsOn) {
+  const auto marginal = marginalOfLine(0.5);
+  ASSERT_TRUE(marginal);
+  EXPECT_NEAR(marginal->covariance(0, 0), 4.0, 1e-9);
+  EXPECT_FALSE(marginalOfLine(0.0));
 }
 
 }  // namespace

@@ -13,13 +13,13 @@ namespace {
 
 using Poses = std::vector<StampedCameraPose>;
 
-/// 20 Hz along a bent and twisted way.
-Poses someWay(int count) {
+/// Along a bent and twisted way, at 20 Hz.
+Poses someWay(int count, std::int64_t interval_ns = 50000000) {
   Poses poses;
   for (int i = 0; i < count; ++i) {
-    const double t = 0.05 * i;
+    const double t = toSeconds(interval_ns * i);
     StampedCameraPose pose;
-    pose.stamp_ns = 1000000000 + 50000000LL * i;
+    pose.stamp_ns = 1000000000 + interval_ns * i;
     pose.world_from_camera.translation << 2.0 * std::cos(0.4 * t), 2.0 * std::sin(0.4 * t),
         0.3 * std::sin(1.3 * t);
     pose.world_from_camera.rotation = expSo3({0.2 * std::sin(t), 0.4 * t, 0.1});
@@ -32,6 +32,15 @@ Poses moved(Poses poses, const Rigid3& motion, double scale) {
   for (StampedCameraPose& pose : poses) {
     pose.world_from_camera.translation *= scale;
     pose.world_from_camera = motion * pose.world_from_camera;
+  }
+  return poses;
+}
+
+/// Turns about z by so many radians a second.
+Poses drifting(Poses poses, double rate) {
+  for (StampedCameraPose& pose : poses) {
+    const double t = toSeconds(pose.stamp_ns);
+    pose.world_from_camera.rotation = expSo3({0, 0, rate * t}) * pose.world_from_camera.rotation;
   }
   return poses;
 }
@@ -72,16 +81,25 @@ TEST(TrajectoryComparison, TellsAKnownErrorAndItsShareOfTheWay) {
 
 TEST(TrajectoryComparison, RelativeErrorIsThatOfOneSecond) {
   const Poses way = someWay(400);
-  Poses drifting = way;
-  const double rate = 0.5 * kDegree;
-  for (StampedCameraPose& pose : drifting) {
-    const double t = toSeconds(pose.stamp_ns);
-    pose.world_from_camera.rotation = expSo3({0, 0, rate * t}) * pose.world_from_camera.rotation;
-  }
-  const auto difference = compareTrajectories(drifting, way);
+  const auto difference = compareTrajectories(drifting(way, 0.5 * kDegree), way);
   ASSERT_TRUE(difference);
   EXPECT_LT(difference->rms, 1e-9);
   EXPECT_NEAR(difference->relative_rotation_deg, 0.5, 0.01);
+}
+
+TEST(TrajectoryComparison, RelativeErrorIsOfThePosesNearestToOneSecondApart) {
+  const Poses way = someWay(100, 133333333);
+  const auto difference = compareTrajectories(drifting(way, 0.5 * kDegree), way);
+  ASSERT_TRUE(difference);
+  EXPECT_NEAR(difference->relative_rotation_deg, 0.5 * 8 * 0.1333, 0.01);
+}
+
+TEST(TrajectoryComparison, WithoutPosesOneSecondApartThereIsNoRelativeError) {
+  const Poses way = someWay(15);
+  const auto difference = compareTrajectories(way, way);
+  ASSERT_TRUE(difference);
+  EXPECT_TRUE(std::isnan(difference->relative_translation));
+  EXPECT_TRUE(std::isnan(difference->relative_rotation_deg));
 }
 
 TEST(TrajectoryComparison, EachMapIsAlignedByItself) {

@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/rig/mount_watch.h"
 #include "camera_self_calibration/simulation/random.h"
 
 namespace camera_self_calibration {
@@ -198,6 +199,36 @@ TEST(JudgeMounts, TwoStretchesTellNothing) {
   stretches.see(rig, 1);
   stretches.see(moved(rig, turnOf(1, {0.0, 5.0, 0.0})), 1);
   EXPECT_EQ(judgeMounts(stretches.list(), rig, kLevel).kind, MountVerdict::Kind::kSame);
+}
+
+// As many parameters that mean something else.
+TEST(MountWatch, StretchesUnderDifferentLensModelsAreNotCompared) {
+  const Rig rig = rigOf(2);
+  Rig other = moved(rig, turnOf(1, {0.0, 0.5, 0.0}));
+  other.cameras[1] = Camera(CameraModel::kRadtan, 640, 480, other.cameras[1].parameters());
+  ASSERT_EQ(other.cameras[1].estimatedCount(), rig.cameras[1].estimatedCount());
+  Stretches stretches(7);
+  stretches.see(rig, 3);
+  stretches.see(other, 2);
+  const std::vector<RigLikelihood>& list = stretches.list();
+  MountWatch watch{RigOptions()};
+  for (std::size_t i = 0; i < 3; ++i) watch.learn(list[i]);
+  EXPECT_EQ(watch.judge(list[3], other).kind, MountVerdict::Kind::kSame);
+  watch.learn(list[3]);
+  watch.learn(list[4]);
+  EXPECT_EQ(watch.judge(std::nullopt, other).kind, MountVerdict::Kind::kSame);
+}
+
+TEST(MountWatch, WhatIsSeenAgainWaitsOnce) {
+  MountWatch watch{RigOptions()};
+  RigFrame frame;
+  frame.views.resize(2);
+  frame.views.front().world_from_camera = Rigid3();
+  for (int i = 0; i < 60; ++i) {
+    frame.stamp_ns = 100'000'000LL * (i % 30);  // the same bag twice
+    watch.add(frame);
+  }
+  EXPECT_EQ(watch.takeWaiting().size(), 3u);
 }
 
 }  // namespace

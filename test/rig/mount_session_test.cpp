@@ -123,6 +123,64 @@ TEST(MountSession, SoonAfterAChangeTheRigIsInDoubt) {
       << report.sentence;
 }
 
+// Some of its keyframes.
+SimulatedRig part(const SimulatedRig& rig, int begin, int end) {
+  return {rig.truth, {rig.frames.begin() + begin, rig.frames.begin() + end}, rig.across};
+}
+
+// The estimate is that from before, and not to be used as it is.
+TEST(MountSession, WhatMovedAtTheVeryEndLeavesNoConvergedEstimate) {
+  SimulatedRigOptions options = stereo();
+  options.bump.rotation = expSo3(kDegree * Eigen::Vector3d(0.6, -0.4, 0.7));
+  options.change_at_s = 13.9;  // after 70 keyframes
+  const SimulatedRig rig = simulateRig(options);
+  RigSession session({}, 2, rig.across);
+  const RigReport before = playThenSolve(part(rig, 0, 70), rig.truth.cameras, &session);
+  ASSERT_EQ(before.state, CalibrationState::kConverged) << before.sentence;
+  EXPECT_TRUE(withVerdict(before).converged);
+  EXPECT_EQ(withVerdict(before).sentence, before.estimate.sentence);
+  const RigReport report = playThenSolve(part(rig, 70, 79), rig.truth.cameras, &session);
+  EXPECT_TRUE(report.mount_changes.empty());
+  EXPECT_EQ(report.revision, before.revision);
+  EXPECT_EQ(report.state, CalibrationState::kConverging) << report.sentence;
+  const RigEstimate estimate = withVerdict(report);
+  EXPECT_TRUE(estimate.usable);
+  EXPECT_FALSE(estimate.converged);
+  EXPECT_NE(estimate.sentence.find("Camera 1 may have been moved"), std::string::npos)
+      << estimate.sentence;
+}
+
+// A change after a single stretch is not told from a stretch that is wrong.
+TEST(MountSession, AStretchThatIsWrongIsNoPartOfTheFirstSolution) {
+  SimulatedRigOptions options = stereo();
+  options.bump.rotation = expSo3(kDegree * Eigen::Vector3d(0.6, -0.4, 0.7));
+  options.change_at_s = 1.9;
+  options.frames = 60;
+  const SimulatedRig rig = simulateRig(options);
+  RigSession session({}, 2, rig.across);
+  const RigReport report = playThenSolve(rig, rig.truth.cameras, &session);
+  EXPECT_TRUE(report.mount_changes.empty());
+  EXPECT_EQ(report.keyframes, 50);
+  EXPECT_EQ(report.solutions, 2);
+  ASSERT_TRUE(report.estimate.usable) << report.sentence;
+  EXPECT_GT(toSeconds(report.estimate.poses.front().stamp_ns), options.change_at_s);
+}
+
+// Although there is no estimate yet when it is found.
+TEST(MountSession, AShiftIsInMetresWhereTheBaselineIsGiven) {
+  SimulatedRigOptions options = bumped();
+  options.bump.translation = {0.0, 0.01, 0.0};
+  const SimulatedRig rig = simulateRig(options);
+  RigOptions metric;
+  metric.baseline_m = options.rig.rig_from_camera[1].translation.norm();
+  RigSession session(metric, 2, rig.across);
+  const RigReport report = playThenSolve(rig, rig.truth.cameras, &session);
+  ASSERT_EQ(report.mount_changes.size(), 1u) << report.sentence;
+  const MountChange& change = report.mount_changes.front();
+  EXPECT_NEAR(change.shift.norm(), 0.01, 0.004);
+  EXPECT_NE(change.sentence.find(" m against camera 0"), std::string::npos) << change.sentence;
+}
+
 TEST(MountSession, OfThreeCamerasTheOneThatMovedIsNamed) {
   SimulatedRigOptions options = bumped();
   options.rig.cameras.push_back(lens(380.0));

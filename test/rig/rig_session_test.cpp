@@ -114,6 +114,27 @@ TEST(RigSession, WhatFailsReplacesNothing) {
   EXPECT_TRUE(report.estimate.usable);
 }
 
+// A keyframe of cameras that stand still, of which nothing can be said.
+void seeStill(int frame, RigSession* session) {
+  FrameResult result;
+  result.stamp_ns = 200'000'000LL * frame;
+  result.is_keyframe = true;
+  result.state = TrackingState::kTracking;
+  for (int c = 0; c < 2; ++c) session->add(c, result);
+}
+
+TEST(RigSession, WhatCannotBeSolvedIsNotSolvedAgainWithoutNewKeyframes) {
+  Session session;
+  session.lensesAreKnown();
+  int frame = 0;
+  while (frame < 120) seeStill(frame++, &*session);
+  ASSERT_TRUE(session->mountsDue());
+  EXPECT_FALSE(session->examineMounts().estimate.usable);
+  EXPECT_FALSE(session->mountsDue());
+  while (frame < 140) seeStill(frame++, &*session);
+  EXPECT_TRUE(session->mountsDue());
+}
+
 TEST(RigSession, AChangedLensBeginsAnew) {
   Session session;
   session.lensesAreKnown();

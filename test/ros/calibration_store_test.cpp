@@ -125,6 +125,27 @@ TEST_F(CalibrationStoreTest, WhatIsRefusedAsAStartIsNeverWrittenOver) {
   }
 }
 
+// On which camera_calibration_parsers ends the process.
+TEST_F(CalibrationStoreTest, AMatrixOfAnotherSizeIsRefused) {
+  options_.state_file.clear();
+  ASSERT_TRUE(CalibrationStore(options_).save(smallState(kFov, 0), info()).success);
+  const std::string good = readFile(options_.calibration_file).bytes;
+  const auto expectRefused = [&](const std::string& last, const std::string& other) {
+    std::string bytes = good;
+    bytes.replace(bytes.rfind(last), last.size(), other);
+    ASSERT_EQ(writeFileAtomically(options_.calibration_file, bytes), "");
+    CalibrationStore store(options_);
+    const auto loaded = store.load(CameraModel::kFov, 640, 480);
+    ASSERT_EQ(loaded.problems.size(), 1u);
+    EXPECT_NE(loaded.problems[0].find("'projection_matrix' of"), std::string::npos)
+        << loaded.problems[0];
+    EXPECT_FALSE(store.save(smallState(kFov, 0), info()).success);
+    EXPECT_EQ(readFile(options_.calibration_file).bytes, bytes);
+  };
+  expectRefused("cols: 4", "cols: 3");
+  expectRefused("rows: 3", "rows: 30");
+}
+
 // yaml-cpp would take it for UTF-32, cut off.
 TEST_F(CalibrationStoreTest, AFileThatIsNoTextIsRefused) {
   const std::string binary("\x2c\0\0\0\xf8\x7f\xba\xff\x7f\0\0\0\0\x06\x38\x20", 16);
@@ -153,6 +174,22 @@ TEST_F(CalibrationStoreTest, WhatWasLearntOfAnotherLensIsKept) {
   store.beginAnew();
   ASSERT_TRUE(store.save(smallState(kFov, 1), info()).success);
   EXPECT_EQ(readFile(options_.state_file + ".previous").bytes, second);
+}
+
+// What a calibration of the pair knew is not lost with that of one camera.
+TEST_F(CalibrationStoreTest, RectificationOfAStereoPairIsKept) {
+  sensor_msgs::CameraInfo pair = info();
+  pair.P[3] = -36.0;
+  CalibrationStore store(options_);
+  ASSERT_TRUE(store.saveGiven(CameraModel::kFov, pair).success);
+  const std::string left = readFile(options_.calibration_file).bytes;
+  const std::string previous = options_.calibration_file + ".previous";
+  ASSERT_TRUE(store.saveGiven(CameraModel::kFov, pair).success);
+  EXPECT_FALSE(readFile(previous).exists) << "nothing is lost yet";
+  for (int i = 0; i < 2; ++i) {
+    ASSERT_TRUE(store.save(smallState(kFov, 0), info()).success);
+    EXPECT_EQ(readFile(previous).bytes, left);
+  }
 }
 
 TEST_F(CalibrationStoreTest, WhatIsGivenIsTheNextStart) {

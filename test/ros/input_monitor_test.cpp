@@ -72,6 +72,18 @@ TEST(InputMonitor, AnotherSizeThatStaysIsTaken) {
   EXPECT_EQ(monitor.counts().size_changes, 1);
 }
 
+TEST(InputMonitor, AnotherSizeIsNotLostWithAnImageThatIsLate) {
+  InputMonitor monitor;
+  monitor.check(image(10.0));
+  for (int i = 1; i < InputMonitor::kSizePatience; ++i) {
+    monitor.check(image(10.0 + 0.1 * i, 32, 24));
+  }
+  EXPECT_EQ(monitor.check(image(9.9, 32, 24)), InputVerdict::kReject);
+  EXPECT_EQ(monitor.width(), 64);
+  EXPECT_EQ(monitor.check(image(11.0, 32, 24)), InputVerdict::kNewSize);
+  EXPECT_EQ(monitor.counts().size_changes, 1);
+}
+
 TEST(InputMonitor, WhereTheSizeIsKeptItSaysSoInOneSentence) {
   InputMonitor monitor;
   monitor.keepSize();

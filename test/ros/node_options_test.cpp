@@ -102,10 +102,12 @@ TEST(NodeOptions, NoTwoFilesAreOne) {
   options.report_file = "/tmp/../tmp/${NAME}.yaml";
   EXPECT_TRUE(mentions(sameFileProblems(options, "/selfcal"), "report_file"));
   EXPECT_TRUE(sameFileProblems(options, "/other").empty());
-  options.report_file = "/tmp/selfcal.state.previous";
-  EXPECT_TRUE(mentions(sameFileProblems(options, "/selfcal"), ".previous"));
+  for (const char* previous : {"/tmp/selfcal.state.previous", "/tmp/selfcal.yaml.previous"}) {
+    options.report_file = previous;
+    EXPECT_TRUE(mentions(sameFileProblems(options, "/selfcal"), ".previous")) << previous;
+  }
   options.state_file = options.report_file = "file:///tmp/selfcal.yaml";
-  EXPECT_EQ(sameFileProblems(options, "/selfcal").size(), 3u);
+  EXPECT_EQ(sameFileProblems(options, "/selfcal").size(), 4u);  // what is kept of two, too
   // Without a URL ~save writes to camera_info_manager's own place.
   options = NodeOptions();
   options.report_file = "camera_info/${NAME}.yaml";

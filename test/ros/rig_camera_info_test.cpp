@@ -44,6 +44,17 @@ TEST(RigCameraInfo, APairThatOnlyApproximatesALensIsWarnedOfOnce) {
   EXPECT_TRUE(info.update(converged({kEquidistant, kRadtan}, 2)).empty()) << "it is the same";
 }
 
+// Nobody may ask for the left one's.
+TEST(RigCameraInfo, BothOfAPairNameTheFrameOfTheLeftImages) {
+  RigCameraInfo info(CameraInfoOptions(), Options(), 2);
+  info.noteFrame(0, "left");
+  info.noteFrame(1, "right");
+  info.update(converged({kRadtan, kRadtan}, 1));
+  std_msgs::Header header;
+  header.frame_id = "right";
+  EXPECT_EQ(info.infoFor(1, header, 640, 480).header.frame_id, "left");
+}
+
 TEST(RigCameraInfo, APairThatIsExactNeedsNoWarning) {
   RigCameraInfo info(CameraInfoOptions(), Options(), 2);
   EXPECT_TRUE(info.update(converged({kRadtan, kRadtan}, 1)).empty());

@@ -65,6 +65,32 @@ TEST(SizeMemory, AChangeOfTheLensForgetsTheOtherSizes) {
   EXPECT_FALSE(memory.begin(640, 480));
 }
 
+// A lens that was exchanged before a reset is not that of the other sizes either.
+TEST(SizeMemory, WhatIsForgottenDoesNotComeBackWithALateReport) {
+  FactoryCalibration factory("info", 1.0);
+  SizeMemory memory(&factory);
+  factory.take(toCameraInfo(kLens)->info);
+  EXPECT_FALSE(memory.windowMoved(640, 480));
+  memory.update(converged(kLens));
+  memory.forget();
+  memory.update(converged(kLens));  // from before the reset
+  sensor_msgs::CameraInfo binned = toCameraInfo(kLens)->info;
+  binned.binning_x = binned.binning_y = 2;
+  factory.take(binned);
+  EXPECT_FALSE(memory.begin(320, 240)) << "rescaled";
+  EXPECT_FALSE(memory.begin(640, 480)) << "seen before";
+}
+
+TEST(SizeMemory, LearnsAgainWhatBeginsAfterItForgot) {
+  SizeMemory memory(nullptr);
+  memory.forget();
+  CalibrationReport begun = converged(kLens);
+  begun.state = CalibrationState::kInitializing;
+  memory.update(begun);
+  memory.update(converged(kLens));
+  EXPECT_TRUE(memory.begin(640, 480));
+}
+
 TEST(SizeMemory, ARegionThatMovesIsNoticed) {
   FactoryCalibration factory("info", 1.0);
   SizeMemory memory(&factory);

@@ -476,6 +476,10 @@ TEST(CalibrateBag, FilesThatItHasNotWrittenStay) {
     EXPECT_EQ(contents(file), "mine");
     std::filesystem::remove(file);
   }
+  std::filesystem::create_directory(folder / "mine/cam1");
+  std::ofstream(folder / "mine/cam1/calibration.yaml") << "mine";
+  EXPECT_TRUE(mentions(calibrateBag(bag + " --topics /a /b --out " + (folder / "mine")),
+                       "cam1/calibration.yaml would be replaced"));
   // Nor does what it has written go where it is to be judged or started from.
   std::filesystem::copy(converged().folder / "out", folder / "out");
   const std::string calibration = folder / "out/calibration.yaml";

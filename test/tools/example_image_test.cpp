@@ -32,6 +32,14 @@ TEST(Undistorted, WhatTheLensDidNotSeeIsBlack) {
   EXPECT_TRUE(undistorted(cv::Mat(), fov).empty());
 }
 
+// As of a region of interest at the border of a sensor.
+TEST(Undistorted, ShowsWhatLiesOnOneSideOfTheAxis) {
+  const Camera beside =
+      camera(CameraModel::kPinhole, (Intrinsics(4) << 320.0, 320.0, -320.0, 239.5).finished());
+  const cv::Mat result = undistorted(cv::Mat(480, 640, CV_8UC1, cv::Scalar(200)), beside);
+  for (const int column : {200, 320, 440}) EXPECT_EQ(result.at<std::uint8_t>(240, column), 200);
+}
+
 TEST(ExampleFinder, KeepsTheImageWithMostTracksOfThePresentLens) {
   ExampleFinder finder;
   const std::vector<std::uint8_t> pixels(64, 7);

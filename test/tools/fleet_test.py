@@ -16,9 +16,10 @@ sys.dont_write_bytecode = True
 import fleet_manifest
 import fleet_task
 
-# Stands in for calibrate_bag; notes each call.
+# Stands in for calibrate_bag, which leaves a state that it finds as it is; notes each calibration.
 CALIBRATE = """#!/bin/bash
 bag=$1; while [[ $# -gt 0 ]]; do [[ $1 == --state-out ]] && state=$2; shift; done
+[[ -e "$state" ]] && { echo "$state already holds the result of this bag"; exit 0; }
 echo "$bag" >> "$CALLS"
 case "$bag" in
   *crash*) kill -SEGV $$ ;;
@@ -36,20 +37,29 @@ done
 mkdir -p "$out"; sort "$list" > "$out/merged.txt"
 printf 'camera,bag,begin,end\\nc,b,0,3600\\n' > "$out/bags.csv"
 """
+# Stands in for sbatch --wait.
+SBATCH = """#!/bin/bash
+for word; do [[ $word == --chdir=* ]] && cd "${word#*=}"; done
+echo 7
+bash > logs/reduce.log 2>&1
+"""
 
 
 class FleetTest(unittest.TestCase):
     def setUp(self):
         self.keeper = tempfile.TemporaryDirectory()
         self.folder = pathlib.Path(self.keeper.name)
-        for name, text in (("calibrate_bag", CALIBRATE), ("merge_calibrations", MERGE)):
-            (self.folder / "programs").mkdir(exist_ok=True)
-            program = self.folder / "programs" / name
-            program.write_text(text)
-            program.chmod(program.stat().st_mode | stat.S_IXUSR)
+        (self.folder / "programs").mkdir()
+        self.program("calibrate_bag", CALIBRATE)
+        self.program("merge_calibrations", MERGE)
 
     def tearDown(self):
         self.keeper.cleanup()
+
+    def program(self, name, text):
+        program = self.folder / "programs" / name
+        program.write_text(text)
+        program.chmod(program.stat().st_mode | stat.S_IXUSR)
 
     def fleet(self, names, *options):
         rows = "".join(f"{name}.bag,/image,front\n" for name in names)
@@ -57,7 +67,8 @@ class FleetTest(unittest.TestCase):
         command = [sys.executable, SCRIPTS / "fleet", self.folder / "manifest.csv", "--out",
                    self.folder / "out", "--programs", self.folder / "programs", "--jobs", "2",
                    "--timeout", "600", *options]
-        environment = dict(os.environ, CALLS=str(self.folder / "calls"))
+        environment = dict(os.environ, CALLS=str(self.folder / "calls"),
+                           PATH=f"{self.folder / 'programs'}:{os.environ['PATH']}")
         return subprocess.run(command, env=environment, text=True, stdout=subprocess.PIPE,
                               stderr=subprocess.STDOUT)
 
@@ -93,6 +104,18 @@ class FleetTest(unittest.TestCase):
         self.assertIn("no bag has a result", run.stdout)
         self.assertIn("2 of 2 bags left nothing", run.stdout)
 
+    def test_slurm_tells_by_the_exit_code_that_there_is_no_state(self):
+        self.program("sbatch", SBATCH)
+        run = self.fleet(["empty"], "--engine", "slurm", "--wait")
+        self.assertEqual(run.returncode, 3, run.stdout)
+        self.assertIn("no bag has a result", run.stdout)
+
+    def test_trouble_of_parallel_is_no_interruption(self):
+        self.program("parallel", "#!/bin/bash\nexit 255\n")
+        run = self.fleet(["a"], "--engine", "parallel")
+        self.assertEqual(run.returncode, 1, run.stdout)
+        self.assertIn("fleet: parallel could not work off the bags", run.stdout)
+
     @unittest.skipUnless(shutil.which("parallel"), "GNU parallel is not installed")
     def test_parallel_goes_by_outcomes(self):
         self.fleet(["a", "b"], "--engine", "parallel")
@@ -116,6 +139,13 @@ class FleetTest(unittest.TestCase):
         before = self.calls()
         self.fleet(["a", "b", "crash", "new"])
         self.assertEqual(self.calls()[len(before):], ["a"], "its state was gone")
+
+    def test_what_has_no_outcome_is_done_again(self):
+        self.fleet(["a", "b"])
+        next((self.folder / "out/outcomes").glob("*-a-*")).unlink()
+        before = self.calls()
+        self.fleet(["a", "b"])
+        self.assertEqual(self.calls()[len(before):], ["a"])
 
     def test_what_was_killed_from_outside_is_for_the_next_run(self):
         first = self.fleet(["a", "killed"])

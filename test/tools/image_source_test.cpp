@@ -176,6 +176,22 @@ TEST(ImageSource, StartAndDurationCountFromTheFirstImage) {
   }
 }
 
+TEST(ImageSource, TimesOfTopicsTogetherCountFromTheLastToBegin) {
+  const TemporaryFolder folder;
+  rosbag::Bag bag(folder / "a.bag", rosbag::bagmode::Write);
+  for (int i = 0; i < 10; ++i) bag.write("left", ros::Time(50 + i), rawMessage(50 + i, i));
+  for (int i = 5; i < 10; ++i) bag.write("right", ros::Time(50 + i), rawMessage(50 + i, i));
+  bag.close();
+  SourceOptions options = at(folder / "a.bag");
+  options.together = {"left", "right"};
+  options.start_seconds = 1.0;
+  options.duration_seconds = 2.0;
+  for (const std::string& topic : options.together) {
+    options.topic = topic;
+    EXPECT_EQ(readAll(options).brightness, (std::vector<int>{6, 7})) << topic;
+  }
+}
+
 TEST(ImageSource, BagFindsItsOnlyImageTopic) {
   const TemporaryFolder folder;
   rosbag::Bag bag(folder / "a.bag", rosbag::bagmode::Write);

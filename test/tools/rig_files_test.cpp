@@ -4,12 +4,16 @@
 #include <yaml-cpp/yaml.h>
 
 #include <Eigen/Geometry>
+#include <filesystem>
+#include <fstream>
+#include <set>
 
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/calibration_format.h"
 #include "camera_self_calibration/tools/rig_results.h"
+#include "camera_self_calibration/tools/trajectory_results.h"
 #include "tools/temporary_folder.h"
 
 namespace camera_self_calibration {
@@ -144,9 +148,7 @@ TEST(RigCamchain, AFitIsNotedInTheFileAndInWords) {
   EXPECT_TRUE(camchainNotes(rig, "camchain.yaml").empty());
 }
 
-// The files that calibrate_bag writes, and what it says of them.
-TEST(RigResults, ApproximationsAreSaidInFilesAndInWords) {
-  const TemporaryFolder folder;
+RigRecording convergedPair() {
   RigRecording recording;
   recording.topics = {"/left", "/right"};
   recording.estimate.rig = pair(equidistant(600.0), radtanWithK3(), {0.11, 0.0, 0.0});
@@ -158,8 +160,14 @@ TEST(RigResults, ApproximationsAreSaidInFilesAndInWords) {
     report.state = CalibrationState::kConverged;
     report.camera = recording.estimate.rig.cameras[c];
   }
+  return recording;
+}
+
+// The files that calibrate_bag writes, and what it says of them.
+TEST(RigResults, ApproximationsAreSaidInFilesAndInWords) {
+  const TemporaryFolder folder;
   std::string all;
-  for (const std::string& note : writeRig(folder.string(), recording)) all += note + "\n";
+  for (const std::string& note : writeRig(folder.string(), convergedPair())) all += note + "\n";
   EXPECT_NE(all.find("cam1 in camchain.yaml holds an approximation"), std::string::npos) << all;
   EXPECT_NE(
       all.find("\nright.yaml holds an approximation, since both of a pair have one distortion "
@@ -170,6 +178,57 @@ TEST(RigResults, ApproximationsAreSaidInFilesAndInWords) {
   const std::string right = readFile(folder / "right.yaml").bytes;
   EXPECT_EQ(right.rfind("# fitted to radtan with k3: off by ", 0), 0u) << right;
   EXPECT_EQ(readCalibrationFile(folder / "right.yaml").model(), CameraModel::kEquidistant);
+}
+
+/// Names of all files below a folder, in their order.
+std::string filesIn(const std::string& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file()) names.insert(entry.path().lexically_relative(folder).string());
+  }
+  std::string all;
+  for (const std::string& name : names) all += name + ' ';
+  return all;
+}
+
+TEST(RigResults, NoneOfAnEarlierRunOfAnotherKindStays) {
+  const TemporaryFolder folder;
+  const RigRecording rig = convergedPair();
+  Recording vague;
+  vague.final_report.camera = radtan(460.0);
+  const std::string of_one = "convergence.csv keyframes.tum summary.json trajectory.tum ";
+  writeRig(folder.string(), rig);
+  std::ofstream(folder / "cam1/notes.txt") << "mine";
+  writeRecording(folder.string(), "/left", vague);
+  EXPECT_EQ(filesIn(folder.string()), "cam1/notes.txt " + of_one);
+  EXPECT_FALSE(std::filesystem::exists(folder / "cam0"));
+  writeRecording(folder.string(), "/left", rig.cameras[0]);
+  for (const char* name : {"report.html", "fig4_parameters.png"}) std::ofstream(folder / name);
+  RigRecording vague_rig;
+  vague_rig.topics = {"/left"};
+  vague_rig.cameras = {vague};
+  writeRig(folder.string(), vague_rig);
+  EXPECT_EQ(filesIn(folder.string()),
+            "cam0/convergence.csv cam0/keyframes.tum cam0/summary.json cam0/trajectory.tum "
+            "cam1/notes.txt summary.json trajectory.tum ");
+}
+
+// As --out DIR/cam0 beside --out DIR.
+TEST(RigResults, ARunOfOneCameraLeavesThoseOfOthersBelowIt) {
+  const TemporaryFolder folder;
+  const Recording recording = convergedPair().cameras[0];
+  std::filesystem::create_directory(folder / "cam0");
+  writeRecording(folder / "cam0", "/left", recording);
+  for (int i = 0; i < 2; ++i) writeRecording(folder.string(), "/left", recording);
+  EXPECT_TRUE(std::filesystem::exists(folder / "cam0/calibration.yaml"));
+}
+
+TEST(TrajectoryResults, ARelativeErrorThatIsNotKnownIsNotZero) {
+  TrajectoryResults results;
+  results.truth = TrajectoryDifference();
+  EXPECT_NE(trajectoryText(results).find("RPE unknown (no poses 1 s apart)"), std::string::npos);
+  EXPECT_NE(toText(trajectoryJson(results)).find("\"rpe_translation_rms\": null"),
+            std::string::npos);
 }
 
 TEST(RigCamchain, WhatIsNoRigIsRefusedWithAReason) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -24,9 +25,10 @@ struct TrajectoryDifference {
   double mean = 0.0;       ///< Of the distance between positions.
   double rms = 0.0;        ///< The absolute trajectory error (ATE).
   double max = 0.0;
-  /// Relative pose error over `interval_s`: rms of the motion's difference (RPE).
-  double relative_translation = 0.0;
-  double relative_rotation_deg = 0.0;
+  /// Relative pose error over `interval_s`: rms of the motion's difference (RPE); not a number
+  /// where no two poses are so far apart, to half an image interval of at most 0.25 s.
+  double relative_translation = std::numeric_limits<double>::quiet_NaN();
+  double relative_rotation_deg = std::numeric_limits<double>::quiet_NaN();
   double interval_s = 1.0;
 
   /// Mean distance over the way travelled, as the paper's 1.76 %.

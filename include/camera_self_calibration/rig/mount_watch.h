@@ -38,7 +38,7 @@ class MountWatch {
                                                  const FindAcross& across, const Rig& known,
                                                  double inverse_depth);
 
-  /// A whole stretch, in the order of time.
+  /// A whole stretch, in the order of time. Those under other lens models are forgotten.
   void learn(RigLikelihood stretch);
 
   /// What all stretches say, and, if it tells, the one that is not whole yet. After a change those
@@ -54,6 +54,7 @@ class MountWatch {
   static constexpr std::size_t kMaxWaiting = 12;
 
   void closeStretch();
+  void forgetAround(std::int64_t stamp_ns);
 
   RigOptions options_;
   Stretch newest_;

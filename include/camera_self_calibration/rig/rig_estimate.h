@@ -93,17 +93,18 @@ struct RigLimits {
 };
 RigLimits rigLimits(const Camera& camera);
 
-/// From a covariance in the layout of rigCovariance: all but the verdict (judgeRig). `other`: the rig
-/// under lens models that explain the tracks as well; by how much it differs counts as one sigma,
-/// since noise is often less than what no model describes. With `baseline_m`,
-/// the distance between the first two cameras [m], lengths become metric. `segments` are scaled
-/// too. `features` as of featuresOf.
+/// From a covariance in the layout of rigCovariance: all but the verdict (judgeRig). `other`: the
+/// rig under lens models that explain the tracks as well; by how much it differs counts as one
+/// sigma, since noise is often less than what no model describes. With `baseline_m`, the distance
+/// between the first two cameras [m], lengths become metric. `segments` are scaled too. `features`
+/// as of featuresOf.
 RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::MatrixXd& covariance,
                         const std::optional<Rig>& other, std::optional<double> baseline_m,
                         const std::vector<ImageWeights>& features,
                         std::vector<RigSegment>* segments);
 
 /// In words: metres, or distances between the first two cameras.
+std::string lengthUnit(bool metric);
 std::string lengthUnit(const RigEstimate& estimate);
 
 /// The verdict on a usable estimate: `converged`, `sentence` and `hint`, from the places of the

@@ -39,6 +39,10 @@ struct RigReport {
 CalibrationReport withJointIntrinsics(CalibrationReport report, const RigEstimate& estimate,
                                       int camera, double limit_px);
 
+/// The estimate as the verdict of the report has it: where that is not CONVERGED neither is this,
+/// and its sentence and hint are those of the report.
+RigEstimate withVerdict(const RigReport& report);
+
 /// A rig while its cameras run: takes what each camera makes of its images, collects the keyframes
 /// of the rig in constant memory, and keeps the best of the joint solutions. Where a camera was
 /// turned or moved against the others, what was seen before goes, and the rig is learnt anew. Each
@@ -86,23 +90,25 @@ class RigSession {
   /// A rig to start from.
   struct KnownRig {
     Rig rig;
-    double inverse_depth = 1.0;  // RigEstimate's
+    double inverse_depth = 1.0;  // RigEstimate's,
+    bool metric = false;         // as well
   };
 
   bool lensesKnown() const;
   void collect(std::vector<TimedView> views);
   void beginAnew(const std::string& why);
   RigEstimate solveJointly(Lock* lock);
-  bool examine(const KnownRig& known, Lock* lock);
-  bool conclude(const MountVerdict& verdict, const KnownRig& known);
+  RigEstimate solveFirst(Lock* lock);
+  MountVerdict::Kind examine(const KnownRig& known, Lock* lock);
+  void conclude(const MountVerdict& verdict, const KnownRig& known);
   std::string doubtText(const MountVerdict& verdict) const;
   void take(RigEstimate estimate);
   std::optional<MountChange> changeSinceSaved(const RigEstimate& estimate, int camera) const;
   void compareWithSaved(const RigEstimate& estimate);
   void remember(const MountChange& change);
   std::string forgottenBaseline();
-  std::string amountOf(const MountChange& change) const;
-  std::string textOf(const MountChange& change) const;
+  std::string amountOf(const MountChange& change, bool metric) const;
+  std::string textOf(const MountChange& change, bool metric) const;
   std::string nameOf(int camera) const;
   void judge(RigReport* report) const;
 

@@ -60,6 +60,8 @@ class RigCalibrationNode {
   void restoreCamera(int camera, int width, int height);
   void onImage(int camera, InputImage image);
   void onReport(const RigReport& report);
+  void keep(const RigReport& report);
+  void saveAgain();
   void tellState(const RigReport& report);
   void publishPlaces(const RigReport& report);
   std::string frameOf(int camera) const;
@@ -89,6 +91,7 @@ class RigCalibrationNode {
 
   std::mutex report_mutex_;  // one report at a time, for what follows
   std::uint64_t published_revision_ = 0;
+  std::uint64_t tried_revision_ = 0;  // to save
   std::uint64_t saved_revision_ = 0;
   bool converged_ = false;
   std::uint64_t converged_epoch_ = 0;
@@ -103,6 +106,7 @@ class RigCalibrationNode {
   std::unique_ptr<RigSelfCalibrator> calibrator_;
   ros::CallbackQueue service_queue_;
   ros::ServiceServer save_;
+  ros::WallTimer save_timer_;
   std::unique_ptr<ros::AsyncSpinner> service_spinner_;
 };
 

@@ -25,10 +25,13 @@ class RigCameraInfo {
   /// Warnings about what goes out from now on, one sentence each.
   std::vector<std::string> update(const RigReport& report);
 
+  /// The frame of the images of a camera; to be called with each.
+  void noteFrame(int camera, const std::string& frame);
+
   /// For an image of this header and size. Both of a rectified pair name the left camera's frame,
   /// as image_geometry demands it.
   sensor_msgs::CameraInfo infoFor(int camera, const std_msgs::Header& header, int width,
-                                  int height);
+                                  int height) const;
 
   /// What goes out for a camera by itself.
   CameraInfoState state(int camera) const { return policies_[camera]->state(); }

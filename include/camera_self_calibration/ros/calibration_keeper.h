@@ -13,6 +13,7 @@
 #include "camera_self_calibration/ros/camera_info_policy.h"
 #include "camera_self_calibration/ros/control_services.h"
 #include "camera_self_calibration/ros/node_options.h"
+#include "camera_self_calibration/ros/size_memory.h"
 
 namespace camera_self_calibration {
 
@@ -21,11 +22,12 @@ class CalibrationKeeper {
  public:
   using Saved = std::function<void(const CalibrationStore::Outcome&)>;
 
-  /// `name` is the node's, `image_topic` the camera's; session and policy must outlive the keeper.
-  /// `saved` hears how each saving ended.
+  /// `name` is the node's, `image_topic` the camera's; session, policy and sizes must outlive the
+  /// keeper. `saved` hears how each saving ended.
   CalibrationKeeper(const ros::NodeHandle& private_node, const NodeOptions& options,
                     const std::string& name, const std::string& image_topic,
-                    CalibrationSession* session, CameraInfoPolicy* camera_info, Saved saved);
+                    CalibrationSession* session, CameraInfoPolicy* camera_info, SizeMemory* sizes,
+                    Saved saved);
 
   /// Whether what is learnt is saved by itself, since a file for it is named.
   bool keeps() const { return store_->hasFile(); }

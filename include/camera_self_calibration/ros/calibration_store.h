@@ -48,7 +48,7 @@ class CalibrationStore {
 
   /// Keeps both, where a file is given; a CameraInfo of zeros never replaces a calibration. After
   /// beginAnew(), or where the state is of another epoch, what the state file held goes to
-  /// FILE.previous first.
+  /// FILE.previous first. So does a calibration with R and P of a stereo pair, if `info` has none.
   Outcome save(const LearntState& state, const sensor_msgs::CameraInfo& info);
 
   /// Keeps a calibration that was given from outside in the calibration file, as it is. What the
@@ -67,6 +67,7 @@ class CalibrationStore {
   struct KnownCalibration {
     std::optional<CameraFit> start;
     std::string refusal;
+    std::string of_a_pair = {};  ///< The file, where it holds R and P of a stereo pair.
   };
 
   KnownState readState(std::optional<CameraModel> model, int width, int height) const;

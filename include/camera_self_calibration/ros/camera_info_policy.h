@@ -84,20 +84,21 @@ class CameraInfoPolicy {
   std::string forgetRefuted(const CalibrationReport& report);
   std::string follow(const CalibrationReport& report);
   void withdraw();
-  std::string publish(const Camera& camera, bool converged);
+  std::optional<std::string> publish(const Camera& camera, bool converged, std::uint64_t orders);
   std::string remedy(const Camera& camera) const;
   std::string judgement(const CalibrationReport& report) const;
   void setProjection(bool converged, sensor_msgs::CameraInfo* info);
 
   const CameraInfoOptions options_;
   std::atomic<double> min_change_px_;
-  std::optional<sensor_msgs::CameraInfo> fixed_;  // Its P and size hold.
+  std::atomic<std::uint64_t> orders_{0};  // Calls of accept() and forget().
   std::uint64_t inherited_epoch_ = 0;
   bool inherited_epoch_known_ = false;
   std::uint64_t starts_given_up_ = 0;  // By the last report.
 
   mutable std::mutex mutex_;
-  std::optional<Camera> camera_;  // Behind published_.
+  std::optional<sensor_msgs::CameraInfo> fixed_;  // Its P and size hold.
+  std::optional<Camera> camera_;                  // Behind published_.
   std::optional<CameraInfoConversion> published_;
   std::optional<std::uint64_t> good_epoch_;  // published_ was CONVERGED in this epoch.
   bool last_good_ = false;

@@ -18,6 +18,7 @@
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/ros/calibration_store.h"
 #include "camera_self_calibration/ros/camera_info_policy.h"
+#include "camera_self_calibration/ros/size_memory.h"
 
 namespace camera_self_calibration {
 
@@ -29,6 +30,7 @@ struct ControlTargets {
   /// The CameraInfo that goes out at present; K[0] is 0 if uncalibrated.
   std::function<sensor_msgs::CameraInfo()> published_info;
   CameraInfoPolicy* camera_info = nullptr;
+  SizeMemory* sizes = nullptr;
   CalibrationStore* store = nullptr;
   /// Where ~save puts the calibration if the store has no file at all; may be null.
   CalibrationStore* fallback_store = nullptr;

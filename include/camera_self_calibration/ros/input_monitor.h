@@ -58,7 +58,8 @@ class InputMonitor {
   InputVerdict reject(std::string problem);
   InputVerdict checkSize(const ImageView& view);
   InputVerdict refuseNewSize(const std::string& change);
-  InputVerdict checkTime(std::int64_t stamp_ns);
+  std::string lateness(std::int64_t stamp_ns) const;
+  InputVerdict takeTime(std::int64_t stamp_ns);
 
   InputCounts counts_;
   std::optional<ImageView> mask_;

@@ -27,6 +27,10 @@ class SizeMemory {
   /// Remembers a CONVERGED calibration; a later epoch, a change of the lens, forgets all others.
   void update(const CalibrationReport& report);
 
+  /// Ends all that was learnt, and waits for what begins anew; to be called once the calibrator is
+  /// reset.
+  void forget();
+
   /// Whether images of the same size show another part of the sensor, for some images in a row.
   bool windowMoved(int width, int height);
 
@@ -50,6 +54,7 @@ class SizeMemory {
   std::optional<SensorWindow> window_;  // Of the images that come now.
   std::optional<std::uint64_t> epoch_;  // Since begin().
   int moved_images_ = 0;
+  bool awaits_beginning_ = false;  // Reports still come from before the reset.
 };
 
 }  // namespace camera_self_calibration

@@ -16,8 +16,8 @@ namespace camera_self_calibration {
 /// What a run over the images of several cameras leaves behind.
 struct RigRecording {
   std::vector<std::string> topics;  ///< As found in the bag, one for each camera.
-  std::vector<Recording> cameras;  ///< Each camera's own run; with the joint intrinsics, if usable.
-  RigEstimate estimate;            ///< Not usable: its sentence says why.
+  std::vector<Recording> cameras;   ///< Each one's own run; with joint intrinsics, if CONVERGED.
+  RigEstimate estimate;             ///< Not usable: its sentence says why.
   std::vector<MountChange> mount_changes;  ///< Cameras that were moved, in the order of time.
   std::vector<TimedPose> poses;            ///< Of the rig in each image; empty without an estimate.
   std::optional<Rig> audited;              ///< A calibration in question, if given,

@@ -32,9 +32,9 @@ class ExampleFinder {
   std::uint64_t epoch_ = 0;
 };
 
-/// The image as an ideal pinhole camera would have seen it from the same place: as wide as the
-/// lens, but at most 120 degrees. Pixels that the lens did not see are black. Empty if the camera
-/// is not valid.
+/// The image as an ideal pinhole camera would have seen it from the same place, turned to the
+/// middle of the image: as wide as the lens, but at most 120 degrees. Pixels that the lens did not
+/// see are black. Empty if the camera is not valid.
 cv::Mat undistorted(const cv::Mat& gray, const Camera& camera);
 
 }  // namespace camera_self_calibration

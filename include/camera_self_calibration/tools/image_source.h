@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "camera_self_calibration/ros/gray_image.h"
 
@@ -13,6 +14,9 @@ namespace camera_self_calibration {
 struct SourceOptions {
   std::string path;   ///< A bag, a folder of images or a video file.
   std::string topic;  ///< Of a bag; empty: the only image topic.
+  /// Topics of a bag that are used together: the last of them to begin has the first image that
+  /// times count from.
+  std::vector<std::string> together;
   /// Of a folder or video [Hz]; 0: 30, or the times that stand in the video.
   double rate = 0.0;
   double start_seconds = 0.0;     ///< Images before this time after the first one are skipped.

@@ -63,7 +63,7 @@ Json summaryJson(const Recording& recording, const Json& extra = Json::object())
 
 /// Writes the files of calibrate_bag into an existing folder: summary.json (with the `extra`
 /// members), trajectory.tum, keyframes.tum, convergence.csv, and, if CONVERGED,
-/// calibration.yaml and camchain.yaml (those of an earlier run are removed if not). Returns what is
+/// calibration.yaml and camchain.yaml. Removes those of an earlier run first. Returns what is
 /// to be said of them, one sentence each: which one holds an approximation, and how good it is.
 /// Those of a run that is not complete say so. Throws std::runtime_error if a file cannot be
 /// written.

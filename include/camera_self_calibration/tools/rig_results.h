@@ -21,14 +21,11 @@ Json rigJson(const RigRecording& recording);
 /// "CONVERGED", "CONVERGING", or "UNKNOWN" where nothing can be said of the rig.
 std::string rigState(const RigRecording& recording);
 
-/// Where the results of one camera go, in the folder of the rig.
-std::string cameraFolder(int camera);
-
 /// Writes into an existing folder: what calibrate_bag writes for one camera into cam0/, cam1/, ...;
 /// summary.json and trajectory.tum of the rig; and, if it has converged, camchain.yaml and, for two
-/// cameras side by side, left.yaml and right.yaml (those of an earlier run are removed if not).
-/// Returns what is to be said of them, one sentence each. Throws std::runtime_error if a file
-/// cannot be written.
+/// cameras side by side, left.yaml and right.yaml. Removes those of an earlier run first. Returns
+/// what is to be said of them, one sentence each. Throws std::runtime_error if a file cannot be
+/// written.
 std::vector<std::string> writeRig(const std::string& folder, const RigRecording& recording);
 
 }  // namespace camera_self_calibration
