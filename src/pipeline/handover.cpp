@@ -35,8 +35,8 @@ std::string doubtOf(const SegmentQueue& queue, const QueueStanding& standing, do
 }  // namespace
 
 PixelError startupUncertainty(const Startup& startup, const ImageField& field) {
-  return startup.usable() ? pixelUncertainty(startup.camera(), startup.covariance(), field)
-                          : PixelError::unknown();
+  if (!startup.usable() || field.share() == 1.0) return startup.wholeImageUncertainty();
+  return pixelUncertainty(startup.camera(), startup.covariance(), field);
 }
 
 QueueStanding queueStanding(const Startup& startup, const SegmentQueue& queue,

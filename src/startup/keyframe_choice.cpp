@@ -2,10 +2,12 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "camera_self_calibration/base/parallel.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/robust.h"
@@ -26,10 +28,24 @@ std::vector<int> commonToNeighbours(const Segment& segment) {
   return common;
 }
 
+// Log determinant of what the other keyframes say of the intrinsics; -inf where it is no number.
+double informationWithout(int k, const Segment& segment, const Camera& camera,
+                          const IntrinsicsPrior& prior) {
+  Segment rest = withoutKeyframe(segment, k);
+  LinearSegment linear;
+  linear.linearize(freeBlock(&rest, camera), camera, camera.estimatedCount(), kHuberThreshold);
+  linear.eliminate(0.0);
+  IntrinsicsMatrix information = linear.reducedHessian();
+  information += prior.information(camera.parameters(), camera.estimatedCount());
+  const double determinant =
+      Eigen::LDLT<Eigen::MatrixXd>(information).vectorD().array().max(1e-300).log().sum();
+  return std::isnan(determinant) ? -std::numeric_limits<double>::infinity() : determinant;
+}
+
 }  // namespace
 
 int leastInformative(const KeyframeChoiceOptions& options, const Segment& segment,
-                     const Camera& camera, const IntrinsicsPrior& prior) {
+                     const Camera& camera, const IntrinsicsPrior& prior, int threads) {
   const std::vector<int> bridging = commonToNeighbours(segment);
   std::vector<std::pair<int, int>> order;
   const int end = static_cast<int>(segment.keyframes.size()) - options.keep_newest;
@@ -39,22 +55,11 @@ int leastInformative(const KeyframeChoiceOptions& options, const Segment& segmen
   std::sort(order.begin(), order.end());
   order.insert(order.begin(), {0, 0});
   order.resize(std::min(order.size(), static_cast<std::size_t>(options.trials)));
-  int best = 0;
-  double most = -std::numeric_limits<double>::infinity();
-  for (const auto& [unused, k] : order) {
-    Segment rest = withoutKeyframe(segment, k);
-    LinearSegment linear;
-    linear.linearize(freeBlock(&rest, camera), camera, camera.estimatedCount(), kHuberThreshold);
-    linear.eliminate(0.0);
-    IntrinsicsMatrix information = linear.reducedHessian();
-    information += prior.information(camera.parameters(), camera.estimatedCount());
-    const double determinant =
-        Eigen::LDLT<Eigen::MatrixXd>(information).vectorD().array().max(1e-300).log().sum();
-    if (!(determinant > most)) continue;
-    most = determinant;
-    best = k;
-  }
-  return best;
+  std::vector<double> left(order.size());
+  parallelFor(threads, static_cast<int>(order.size()), [&](int i) {
+    left[i] = informationWithout(order[i].second, segment, camera, prior);
+  });
+  return order[std::max_element(left.begin(), left.end()) - left.begin()].second;
 }
 
 }  // namespace camera_self_calibration

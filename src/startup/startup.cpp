@@ -167,8 +167,8 @@ void Startup::add(const Segment& history) {
     tryOtherGuesses();
   }
   while (static_cast<int>(segment_.keyframes.size()) > options_.max_keyframes) {
-    segment_ = withoutKeyframe(
-        segment_, leastInformative(options_.choice, segment_, camera_, options_.growth.prior));
+    segment_ = withoutKeyframe(segment_, leastInformative(options_.choice, segment_, camera_,
+                                                          options_.growth.prior, options_.threads));
   }
 }
 

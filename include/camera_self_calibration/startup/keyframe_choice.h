@@ -17,6 +17,6 @@ struct KeyframeChoiceOptions {
 /// The keyframe without which the rest of a solved segment tells most of the intrinsics (largest
 /// determinant of their marginal information, `prior` added): what to leave out of a full batch.
 int leastInformative(const KeyframeChoiceOptions& options, const Segment& segment,
-                     const Camera& camera, const IntrinsicsPrior& prior);
+                     const Camera& camera, const IntrinsicsPrior& prior, int threads = 1);
 
 }  // namespace camera_self_calibration
