@@ -143,7 +143,8 @@ TEST(Tracker, LeavesOutWhatTheCameraCarries) {
   std::size_t at_first = 0, at_last = 0, carried = 0, scene = 0;
   for (int i = 0; i < 30; ++i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 1);
-    TestImage image = renderer().render(Rigid3(expSo3({0.0, 0.02 * i, 0.0}), {}), {}, &random);
+    const Rigid3 turned(expSo3({0.0, 0.02 * i, 0.0}), Eigen::Vector3d::Zero());
+    TestImage image = renderer().render(turned, {}, &random);
     for (int y = 120; y < image.height; ++y) {
       std::copy_n(robot.pixels.begin() + y * image.width, 120,
                   image.pixels.begin() + y * image.width);
