@@ -16,6 +16,9 @@ namespace {
 
 constexpr int kSettlingRounds = 2;
 constexpr double kSettled = 0.02;  // of the intrinsics' sigmas, in a step
+// Of a segment's cost: beyond its share it is unsettled; a tenth of that is not worth a solution.
+constexpr double kUnsettledShare = 0.02;
+constexpr double kSettledShare = 0.1 * kUnsettledShare;
 
 SolverOptions solverOptions(int threads) {
   SolverOptions options;
@@ -39,7 +42,7 @@ struct Disagreement {
   // Poses and depths are where they explain the segment far worse than they could with the joint
   // intrinsics. A segment whose own cost says nothing about them is taken as it is.
   bool unsettled(double own_cost) const {
-    return measured > 2.0 * expected + 10.0 + 0.02 * own_cost;
+    return measured > 2.0 * expected + 10.0 + kUnsettledShare * own_cost;
   }
 };
 
@@ -143,8 +146,11 @@ bool SegmentQueue::settle(Problem* problem) {
     Segment again = restarted(candidates_[i].segment, own_[i]);
     Problem alone{problem->camera, false, {block}, {}};
     alone.blocks[0].segment = &again;
-    if (!camera_self_calibration::solve(alone, solverOptions(1)).usable) continue;
-    if (disagreement(candidates_[i], alone.blocks[0], *problem->camera).measured < now.measured) {
+    SolverOptions options = solverOptions(1);
+    options.cost_tolerance = kSettledShare;
+    if (!camera_self_calibration::solve(alone, options).usable) continue;
+    const Disagreement then = disagreement(candidates_[i], alone.blocks[0], *problem->camera);
+    if (then.measured < now.measured - kSettledShare * candidates_[i].cost) {
       candidates_[i].segment = std::move(again);
       moved = true;
     }
