@@ -54,9 +54,7 @@ void BackEnd::see(const KeyframeMessage& message) {
 void BackEnd::runStartup(const Segment& history) {
   state_.startup.add(history);
   const Camera& present = state_.startup.camera();
-  if (state_.startup.usable() &&
-      (state_.known.camera.model() != present.model() ||
-       state_.known.camera.estimatedCount() != present.estimatedCount())) {
+  if (state_.startup.usable() && !state_.known.camera.estimatesSameAs(present)) {
     clearQueue();  // its segments were scored for other parameters
   }
   keepFinishedBatch();
@@ -327,8 +325,7 @@ void BackEnd::clearQueue() {
 QueueStart BackEnd::queueStart() const {
   const Camera& solved = state_.queue.solution().camera;
   const bool goes_on = isStarting(state_.phase) && state_.queue.solution().usable &&
-                       solved.model() == state_.known.camera.model() &&
-                       solved.estimatedCount() == state_.known.camera.estimatedCount();
+                       solved.estimatesSameAs(state_.known.camera);
   return state_.shutter.startFrom(goes_on ? solved : state_.known.camera);
 }
 

@@ -76,8 +76,7 @@ void write(const Candidate& candidate, ByteWriter* out) {
   writeList(candidate.segment.landmarks, out);
   writeList(candidate.segment.observations, out);
   // After a change of the lens a segment knows of the earlier one, though it begins behind it.
-  const bool spans_change =
-      candidate.segment.earlier_camera != nullptr && candidate.segment.earlier_keyframes > 0;
+  const bool spans_change = candidate.segment.isEarlier(0);
   out->integer(spans_change ? static_cast<std::uint64_t>(candidate.segment.earlier_keyframes) : 0);
   if (spans_change) write(*candidate.segment.earlier_camera, out);
   write(candidate.camera, out);

@@ -54,8 +54,8 @@ std::optional<Reference> LensWatch::knownBefore(std::int64_t stamp_ns) const {
 
 void LensWatch::forgetStamps() {
   onset_ns_ = 0;
-  course_.clear();
-  detector_.reset();
+  forgetStartup();
+  forgetWindows();
 }
 
 void LensWatch::beginLens(std::int64_t onset_ns, const std::optional<Scatter>& scatter) {

@@ -14,7 +14,7 @@ constexpr std::size_t kMinFrames = 5;
 
 bool sameModels(const Rig& a, const Rig& b) {
   const auto same = [](const Camera& one, const Camera& other) {
-    return one.model() == other.model() && one.estimatedCount() == other.estimatedCount();
+    return one.estimatesSameAs(other);
   };
   return std::equal(a.cameras.begin(), a.cameras.end(), b.cameras.begin(), b.cameras.end(), same);
 }

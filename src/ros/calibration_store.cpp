@@ -26,12 +26,6 @@ std::optional<NamedCameraInfo> parse(const std::string& text, std::string* probl
   }
 }
 
-// R and P of one of a stereo pair: more than one camera can know of itself.
-bool isOfAPair(const sensor_msgs::CameraInfo& info) {
-  const bool turned = info.R[1] != 0.0 || info.R[2] != 0.0 || info.R[5] != 0.0;
-  return turned || info.P[3] != 0.0 || info.P[7] != 0.0;
-}
-
 // Moved or removed by the user, not by this program.
 const char* const kLeftUntouched = "; it is left untouched: move it away or choose another file";
 

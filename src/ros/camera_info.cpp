@@ -145,4 +145,9 @@ std::optional<CameraFit> toCamera(const sensor_msgs::CameraInfo& info,
   return fit && std::isfinite(fit->error.max) ? fit : std::nullopt;
 }
 
+bool isOfAPair(const sensor_msgs::CameraInfo& info) {
+  const bool turned = info.R[1] != 0.0 || info.R[2] != 0.0 || info.R[5] != 0.0;
+  return turned || info.P[3] != 0.0 || info.P[7] != 0.0;
+}
+
 }  // namespace camera_self_calibration

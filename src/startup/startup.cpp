@@ -97,8 +97,7 @@ void Startup::switchModel(const Camera& camera, const std::vector<Segment>& solv
 
 // What is known of another model's parameters says nothing of these.
 void Startup::goOnWith(const Camera& camera) {
-  const bool other =
-      camera.model() != trusted_.model() || camera.estimatedCount() != trusted_.estimatedCount();
+  const bool other = !camera.estimatesSameAs(trusted_);
   camera_ = camera;
   if (!other) return;
   next_k3_ = 0;

@@ -11,8 +11,7 @@ namespace {
 
 constexpr double kConfidence = 0.999;
 constexpr int kFewest = 8;
-// In baselines: of no account. OpenCV leaves out what is further than 50, which neighbouring
-// keyframes often are apart from all that they see.
+// In baselines: no limit. OpenCV's own, 50, leaves out most of what neighbouring keyframes see.
 constexpr double kFarthest = 1e6;
 // Of a unit ray: 78 degrees off the axis, beyond which noise on a plane grows without bound.
 constexpr double kMinZ = 0.2;

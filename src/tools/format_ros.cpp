@@ -60,13 +60,11 @@ sensor_msgs::CameraInfo messageOf(const YAML::Node& yaml) {
 
 /// Whether a stereo calibration or a choice of the rectified image stands in R and P.
 bool hasRectification(const sensor_msgs::CameraInfo& info) {
-  const auto& r = info.R;
   const auto& p = info.P;
   if (p[0] == 0.0) return false;
-  const bool turned = r[1] != 0.0 || r[2] != 0.0 || r[5] != 0.0;
-  const bool other_view = p[0] != info.K[0] || p[5] != info.K[4] || p[2] != info.K[2] ||
-                          p[6] != info.K[5] || p[3] != 0.0 || p[7] != 0.0;
-  return turned || other_view;
+  const bool other_view =
+      p[0] != info.K[0] || p[5] != info.K[4] || p[2] != info.K[2] || p[6] != info.K[5];
+  return other_view || isOfAPair(info);
 }
 
 /// Whether images are binned, or show a part of the sensor.

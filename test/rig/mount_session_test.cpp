@@ -28,10 +28,16 @@ SimulatedRigOptions stereo() {
   return options;
 }
 
-SimulatedRigOptions bumped() {
+SimulatedRigOptions bumped(double by = 1.0) {
   SimulatedRigOptions options = stereo();
-  options.bump.rotation = expSo3(kDegree * Eigen::Vector3d(0.3, -0.2, 0.35));
+  options.bump.rotation = expSo3(by * kDegree * Eigen::Vector3d(0.3, -0.2, 0.35));
   return options;
+}
+
+RigReport solvedAtTheEnd(const SimulatedRigOptions& options) {
+  const SimulatedRig rig = simulateRig(options);
+  RigSession session({}, rig.truth.size(), rig.across);
+  return playThenSolve(rig, rig.truth.cameras, &session);
 }
 
 std::size_t alarms(const SimulatedRigOptions& options) {
@@ -98,9 +104,7 @@ TEST(MountSession, AZoomIsNoMount) {
 // As offline: keyframes from before and after are solved together first.
 TEST(MountSession, WhatIsMixedIsNotBelieved) {
   const SimulatedRigOptions options = bumped();
-  const SimulatedRig rig = simulateRig(options);
-  RigSession session({}, 2, rig.across);
-  const RigReport report = playThenSolve(rig, rig.truth.cameras, &session);
+  const RigReport report = solvedAtTheEnd(options);
   ASSERT_EQ(report.mount_changes.size(), 1u) << report.sentence;
   EXPECT_LT(report.keyframes, 45);
   EXPECT_EQ(report.solutions, 2);
@@ -114,9 +118,7 @@ TEST(MountSession, SoonAfterAChangeTheRigIsInDoubt) {
   SimulatedRigOptions options = bumped();
   options.change_at_s = 10.1;
   options.frames = 59;
-  const SimulatedRig rig = simulateRig(options);
-  RigSession session({}, 2, rig.across);
-  const RigReport report = playThenSolve(rig, rig.truth.cameras, &session);
+  const RigReport report = solvedAtTheEnd(options);
   EXPECT_TRUE(report.mount_changes.empty());
   EXPECT_EQ(report.state, CalibrationState::kConverging) << report.sentence;
   EXPECT_NE(report.sentence.find("amera 1 may have been moved"), std::string::npos)
@@ -130,8 +132,7 @@ SimulatedRig part(const SimulatedRig& rig, int begin, int end) {
 
 // The estimate is that from before, and not to be used as it is.
 TEST(MountSession, WhatMovedAtTheVeryEndLeavesNoConvergedEstimate) {
-  SimulatedRigOptions options = stereo();
-  options.bump.rotation = expSo3(kDegree * Eigen::Vector3d(0.6, -0.4, 0.7));
+  SimulatedRigOptions options = bumped(2.0);
   options.change_at_s = 13.9;  // after 70 keyframes
   const SimulatedRig rig = simulateRig(options);
   RigSession session({}, 2, rig.across);
@@ -152,13 +153,10 @@ TEST(MountSession, WhatMovedAtTheVeryEndLeavesNoConvergedEstimate) {
 
 // A change after a single stretch is not told from a stretch that is wrong.
 TEST(MountSession, AStretchThatIsWrongIsNoPartOfTheFirstSolution) {
-  SimulatedRigOptions options = stereo();
-  options.bump.rotation = expSo3(kDegree * Eigen::Vector3d(0.6, -0.4, 0.7));
+  SimulatedRigOptions options = bumped(2.0);
   options.change_at_s = 1.9;
   options.frames = 60;
-  const SimulatedRig rig = simulateRig(options);
-  RigSession session({}, 2, rig.across);
-  const RigReport report = playThenSolve(rig, rig.truth.cameras, &session);
+  const RigReport report = solvedAtTheEnd(options);
   EXPECT_TRUE(report.mount_changes.empty());
   EXPECT_EQ(report.keyframes, 50);
   EXPECT_EQ(report.solutions, 2);
@@ -189,9 +187,7 @@ TEST(MountSession, OfThreeCamerasTheOneThatMovedIsNamed) {
   options.changed = 0;
   options.frames = 60;
   options.change_at_s = 6.1;
-  const SimulatedRig rig = simulateRig(options);
-  RigSession session({}, 3, rig.across);
-  const RigReport report = playThenSolve(rig, rig.truth.cameras, &session);
+  const RigReport report = solvedAtTheEnd(options);
   ASSERT_EQ(report.mount_changes.size(), 1u) << report.sentence;
   const MountChange& change = report.mount_changes.front();
   EXPECT_EQ(change.camera, 0) << change.sentence;

@@ -27,15 +27,26 @@ sensor_msgs::CameraInfo infoWith(std::uint32_t binning, std::uint32_t x_offset =
   return info;
 }
 
-TEST(SizeMemory, RescalesByTheDriversBinning) {
-  FactoryCalibration factory("info", 1.0);
-  SizeMemory memory(&factory);
-  factory.take(toCameraInfo(kLens)->info);
-  EXPECT_FALSE(memory.windowMoved(640, 480));
-  memory.update(converged(kLens));
-  sensor_msgs::CameraInfo binned = toCameraInfo(kLens)->info;
-  binned.binning_x = binned.binning_y = 2;
-  factory.take(binned);
+// What is learnt in whole images, before the driver bins them.
+class BinnedSizes : public testing::Test {
+ protected:
+  BinnedSizes() {
+    factory.take(toCameraInfo(kLens)->info);
+    EXPECT_FALSE(memory.windowMoved(640, 480));
+    memory.update(converged(kLens));
+  }
+  void bin() {
+    sensor_msgs::CameraInfo binned = toCameraInfo(kLens)->info;
+    binned.binning_x = binned.binning_y = 2;
+    factory.take(binned);
+  }
+
+  FactoryCalibration factory{"info", 1.0};
+  SizeMemory memory{&factory};
+};
+
+TEST_F(BinnedSizes, AreRescaledByTheDriversBinning) {
+  bin();
   const auto known = memory.begin(320, 240);
   ASSERT_TRUE(known);
   EXPECT_EQ(known->camera.width(), 320);
@@ -66,17 +77,10 @@ TEST(SizeMemory, AChangeOfTheLensForgetsTheOtherSizes) {
 }
 
 // A lens that was exchanged before a reset is not that of the other sizes either.
-TEST(SizeMemory, WhatIsForgottenDoesNotComeBackWithALateReport) {
-  FactoryCalibration factory("info", 1.0);
-  SizeMemory memory(&factory);
-  factory.take(toCameraInfo(kLens)->info);
-  EXPECT_FALSE(memory.windowMoved(640, 480));
-  memory.update(converged(kLens));
+TEST_F(BinnedSizes, WhatIsForgottenDoesNotComeBackWithALateReport) {
   memory.forget();
   memory.update(converged(kLens));  // from before the reset
-  sensor_msgs::CameraInfo binned = toCameraInfo(kLens)->info;
-  binned.binning_x = binned.binning_y = 2;
-  factory.take(binned);
+  bin();
   EXPECT_FALSE(memory.begin(320, 240)) << "rescaled";
   EXPECT_FALSE(memory.begin(640, 480)) << "seen before";
 }

@@ -61,6 +61,10 @@ class Camera {
   /// n_c: how many parameters, from the first, an estimator changes. All, but for k3 of radtan,
   /// which is kept as given unless setEstimateK3(true).
   int estimatedCount() const { return estimated_count_; }
+  /// Whether an estimator changes the same parameters of both.
+  bool estimatesSameAs(const Camera& other) const {
+    return model_ == other.model_ && estimated_count_ == other.estimated_count_;
+  }
   /// Adds k3 (starting at 0 if absent) to the estimated parameters of a radtan camera, or holds it.
   void setEstimateK3(bool estimate);
 

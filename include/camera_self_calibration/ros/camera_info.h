@@ -58,4 +58,7 @@ std::optional<CameraFit> toCamera(const sensor_msgs::CameraInfo& info,
 /// The pinhole camera of K: what is implausible about it is so whatever the distortion.
 Camera undistorted(const sensor_msgs::CameraInfo& info);
 
+/// Whether R and P are those of one camera of a stereo pair: more than a camera knows of itself.
+bool isOfAPair(const sensor_msgs::CameraInfo& info);
+
 }  // namespace camera_self_calibration
