@@ -13,9 +13,7 @@ std::vector<int> nonRigidTracks(Segment* segment, const Camera& camera) {
   block.sigma_scale = provisionalScale(block, camera);
   SolverOptions depths;
   depths.max_iterations = 5;
-  // A tenth of a sigma, where gross misfits are many; outlying tracks alone settle beyond the cost.
-  depths.step_tolerance = 0.1;
-  depths.cost_tolerance = 5e-3;
+  depths.precision = kRoughPrecision;
   solve({&held, false, {block}}, depths);
   block.sigma_scale = 1.0;
   block.sigma_scale = provisionalScale(block, camera);

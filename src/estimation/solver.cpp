@@ -56,6 +56,9 @@ class DogLeg {
   void propose();
   double apply();
   double intrinsicsToGo() const;
+  bool negligible(double gain) const {
+    return gain < options_.precision * options_.precision * cost_;
+  }
   void tryStep(SolveSummary* summary);
 
   const Problem problem_;
@@ -237,9 +240,9 @@ void DogLeg::tryStep(SolveSummary* summary) {
   const double ratio = (cost_ - cost) / predicted_gain_;
   if (std::isfinite(cost) && ratio > 1e-4) {
     const bool full = newton_norm_ <= radius_;
-    const bool near = full && intrinsicsToGo() < options_.intrinsics_tolerance;
+    const bool near = full && intrinsicsToGo() < options_.intrinsics_precision;
     last_intrinsics_step_ = full ? intrinsics_step_ : 0.0;
-    summary->converged = near || cost_ - cost < options_.cost_tolerance * cost_;
+    summary->converged = near || negligible(cost_ - cost);
     cost_ = summary->final_cost = cost;
     if (ratio > 0.75) radius_ = std::max(radius_, 3.0 * step_norm_);
     if (ratio < 0.25) radius_ = 0.5 * step_norm_;
@@ -248,7 +251,7 @@ void DogLeg::tryStep(SolveSummary* summary) {
   } else {
     saved_.restore(problem_);
     radius_ = 0.25 * std::min(radius_, step_norm_);
-    summary->converged = predicted_gain_ < options_.cost_tolerance * cost_;
+    summary->converged = negligible(predicted_gain_);
   }
 }
 
@@ -261,7 +264,7 @@ SolveSummary DogLeg::run() {
          radius_ > kMinRadius && (has_path_ || makePath())) {
     ++summary.iterations;
     propose();
-    if (!(predicted_gain_ > 0.0) || step_norm_ < options_.step_tolerance) {
+    if (!(predicted_gain_ > 0.0) || step_norm_ < options_.precision) {
       summary.converged = true;
     } else {
       tryStep(&summary);

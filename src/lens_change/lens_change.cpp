@@ -30,8 +30,7 @@ double costOfOneLens(Segment segment, const Camera& lens, double sigma_scale) {
   Problem problem{&held, false, {freeBlock(&segment, lens)}};
   problem.blocks[0].sigma_scale = sigma_scale;
   SolverOptions options;
-  options.step_tolerance = 1e-3;
-  options.cost_tolerance = 1e-6;  // what is left of it is small against a chi-square of one
+  options.precision = kComparisonPrecision;
   const SolveSummary summary = solve(problem, options);
   return summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
 }
@@ -52,8 +51,7 @@ Changed solveWithChange(const Changed& start, int earlier_keyframes, const Camer
   }
   const Problem problem{&changed.camera, true, {freeBlock(&changed.segment, changed.camera)}};
   SolverOptions options;
-  options.step_tolerance = 1e-2;
-  options.cost_tolerance = 1e-4;
+  options.precision = kEstimatePrecision;
   const SolveSummary summary = solve(problem, options);
   changed.cost = summary.usable ? summary.final_cost : std::numeric_limits<double>::infinity();
   return changed;

@@ -42,8 +42,7 @@ int newest(const Segment& segment) { return static_cast<int>(segment.keyframes.s
 SolverOptions windowSolver() {
   SolverOptions options;
   options.max_iterations = 8;
-  options.step_tolerance = 1e-2;
-  options.cost_tolerance = 5e-3;  // outlying tracks alone settle beyond it; they are gated
+  options.precision = kRoughPrecision;
   return options;
 }
 

@@ -118,9 +118,8 @@ LensTrial tryLens(const LensObservations& observations, const Camera& start, int
   const Problem problem = problemOf(observations, &trial.segments, &trial.camera);
   SolverOptions options;
   options.max_iterations = kMaxIterations;
-  options.step_tolerance = 1e-2;
-  options.cost_tolerance = 1e-4;
-  options.intrinsics_tolerance = kSettled;
+  options.precision = kEstimatePrecision;
+  options.intrinsics_precision = kSettled;
   options.threads = threads;
   trial.usable = solve(problem, options).usable && trial.camera.valid();
   trial.cost = trial.usable ? costOf(problem) : std::numeric_limits<double>::infinity();

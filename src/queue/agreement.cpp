@@ -79,8 +79,7 @@ std::optional<QuadraticLikelihood> likelihoodAt(const Camera& camera, const Segm
   Problem problem{&held, false, {freeBlock(&copy, camera)}};
   problem.blocks[0].sigma_scale = sigma_scale;
   SolverOptions options;
-  options.step_tolerance = 1e-4;
-  options.cost_tolerance = 1e-5;
+  options.precision = kEstimatePrecision;
   if (!solve(problem, options).usable) return std::nullopt;
   const QuadraticLikelihood likelihood = linearized(problem.blocks[0], camera);
   if (!likelihood.gradient.allFinite() || !likelihood.information.allFinite()) return std::nullopt;

@@ -50,8 +50,8 @@ Candidate evaluateCandidate(const CandidateOptions& options, const Segment& segm
     return candidate;
   }
   SegmentFitOptions fit_options;
-  fit_options.cost_tolerance = 3e-5;  // Below a tenth of a sigma.
-  fit_options.intrinsics_tolerance = 0.05;
+  fit_options.precision = kEstimatePrecision;
+  fit_options.intrinsics_precision = 0.05;
   const SegmentFit fit = fitSegment(fit_options, &candidate.segment, &candidate.camera);
   if (!fit.usable) {
     candidate.reason = "no solution was found";

@@ -10,10 +10,6 @@
 namespace camera_self_calibration {
 namespace {
 
-// SolverOptions::cost_tolerance of the first solution: two or three iterations from a solved
-// window.
-constexpr double kRoughCost = 1e-2;
-
 // Residual scale of a solved segment against the sigmas that it had before `unexplained` was added.
 double scaleAgainstTracker(Segment segment, double unexplained, const Camera& camera) {
   for (Observation& observation : segment.observations) {
@@ -37,17 +33,16 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
   SolverOptions solver;
   solver.max_iterations = options.max_iterations;
   solver.huber = options.huber;
-  solver.step_tolerance = options.step_tolerance;
-  solver.cost_tolerance = options.cost_tolerance;
-  solver.intrinsics_tolerance = options.intrinsics_tolerance;
+  solver.precision = options.precision;
+  solver.intrinsics_precision = options.intrinsics_precision;
   Problem problem;
   problem.camera = camera;
   problem.estimate_intrinsics = options.estimate_intrinsics;
   problem.prior = options.prior;
   // Which tracks are outliers shows well before the solution has settled.
   SolverOptions rough = solver;
-  rough.cost_tolerance = std::max(solver.cost_tolerance, kRoughCost);
-  rough.intrinsics_tolerance = 0.0;
+  rough.precision = std::max(solver.precision, kRoughPrecision);
+  rough.intrinsics_precision = 0.0;
   bool settled = false;
   for (int round = 0; round < options.gating_rounds; ++round) {
     if (segment->observations.empty()) return fit;

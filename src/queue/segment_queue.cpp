@@ -24,11 +24,8 @@ SolverOptions solverOptions(int threads) {
   SolverOptions options;
   options.threads = threads;
   options.max_iterations = 20;
-  // From warm starts: what is left is the slow settling of outlying tracks, far below a tenth of
-  // the intrinsics' sigma.
-  options.step_tolerance = 1e-2;
-  options.cost_tolerance = 2e-5;
-  options.intrinsics_tolerance = kSettled;
+  options.precision = kEstimatePrecision;
+  options.intrinsics_precision = kSettled;
   return options;
 }
 
@@ -147,7 +144,7 @@ bool SegmentQueue::settle(Problem* problem) {
     Problem alone{problem->camera, false, {block}, {}};
     alone.blocks[0].segment = &again;
     SolverOptions options = solverOptions(1);
-    options.cost_tolerance = kSettledShare;
+    options.precision = std::sqrt(kSettledShare);
     if (!camera_self_calibration::solve(alone, options).usable) continue;
     const Disagreement then = disagreement(candidates_[i], alone.blocks[0], *problem->camera);
     if (then.measured < now.measured - kSettledShare * candidates_[i].cost) {

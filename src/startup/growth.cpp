@@ -119,8 +119,7 @@ void solvePrefix(const GrowthOptions& options, Segment* prefix, Camera* camera) 
   SolverOptions solver;
   // A long batch moves little by one keyframe more.
   solver.max_iterations = k < 12 ? 12 : 6;
-  solver.step_tolerance = 1e-2;
-  solver.cost_tolerance = 1e-2;  // near enough for the next keyframe to start from
+  solver.precision = kRoughPrecision;  // near enough for the next keyframe to start from
   Problem problem;
   problem.camera = camera;
   problem.estimate_intrinsics = k + 1 >= options.free_after_keyframes;

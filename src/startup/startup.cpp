@@ -227,7 +227,7 @@ void Startup::judge() {
   SegmentFitOptions options;
   // From the solution of one keyframe ago. What tells nothing has no sharp optimum to look for.
   options.max_iterations = told_ ? 10 : 4;
-  options.cost_tolerance = 1e-5;  // a hundredth of a sigma
+  options.precision = kEstimatePrecision;
   options.prior = options_.growth.prior;
   options.depth_noise = DepthNoise::kDiscounted;
   const SegmentFit fit = fitSegment(options, &gated, &camera);

@@ -19,7 +19,7 @@ void solveOurs(SolverScene* scene, int threads) {
   SolverOptions options;
   options.threads = threads;
   options.max_iterations = kIterations;
-  options.step_tolerance = options.cost_tolerance = 0.0;
+  options.precision = 0.0;
   benchmark::DoNotOptimize(solve(scene->problem(), options));
 }
 

@@ -52,8 +52,7 @@ namespace {
 SolverOptions thorough() {
   SolverOptions options;
   options.max_iterations = 60;
-  options.step_tolerance = 1e-4;
-  options.cost_tolerance = 1e-8;
+  options.precision = 1e-4;
   return options;
 }
 

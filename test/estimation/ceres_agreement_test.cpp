@@ -46,8 +46,7 @@ class Agreement {
     SolverOptions options;
     options.huber = huber;
     options.max_iterations = 200;
-    options.step_tolerance = 1e-9;
-    options.cost_tolerance = 1e-15;
+    options.precision = 1e-8;
     const SolveSummary summary = solve({&our_camera_, true, blocks_}, options);
     EXPECT_TRUE(summary.usable);
     BatchOptions batch_options;

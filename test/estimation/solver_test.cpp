@@ -71,7 +71,7 @@ TEST(Solve, HeldIntrinsicsEndNothingEarly) {
   Camera camera = truth;
   SolverOptions options = thorough();
   const double settled = solve({&camera, false, {freeBlock(&segment, camera)}}, options).final_cost;
-  options.intrinsics_tolerance = 0.02;
+  options.intrinsics_precision = 0.02;
   EXPECT_EQ(solve({&camera, false, {freeBlock(&other, camera)}}, options).final_cost, settled);
 }
 

@@ -6,6 +6,7 @@
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/robust.h"
+#include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/segment.h"
 
 namespace camera_self_calibration {
@@ -15,10 +16,9 @@ struct SegmentFitOptions {
   int max_iterations = 20;
   int gating_rounds = 2;           ///< Solve, remove the tracks that do not fit, solve again.
   double huber = kHuberThreshold;  ///< In sigmas.
-  double step_tolerance = 1e-4;
-  double cost_tolerance = 1e-7;
-  /// SolverOptions::intrinsics_tolerance of the last solution.
-  double intrinsics_tolerance = 0.0;
+  /// SolverOptions' of the last solution.
+  double precision = kComparisonPrecision;
+  double intrinsics_precision = 0.0;
   DepthNoise depth_noise = DepthNoise::kCounts;  ///< In the marginal.
   IntrinsicsPrior prior = {};  ///< Vague, against runaways; the marginal does not contain it.
 };
