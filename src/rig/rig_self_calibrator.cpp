@@ -4,6 +4,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cstdint>
+#include <exception>
+#include <string>
 #include <utility>
 
 namespace camera_self_calibration {
@@ -92,6 +95,7 @@ RigReport RigSelfCalibrator::tell(RigReport report) {
 Callbacks RigSelfCalibrator::callbacksOf(int camera) {
   Callbacks result;
   result.frame = [this, camera](const FrameResult& frame) {
+    newest_image_ns_ = frame.stamp_ns;
     session_.add(camera, frame);
     if (callbacks_.frame) callbacks_.frame(camera, frame);
     if (!frame.is_keyframe) return;
@@ -110,6 +114,29 @@ Callbacks RigSelfCalibrator::callbacksOf(int camera) {
   return result;
 }
 
+// Nothing that goes wrong in a solution, nor in a callback, may end the process that hosts the
+// thread.
+void RigSelfCalibrator::work() noexcept {
+  try {
+    session_.due() ? solve() : examineMounts();
+  } catch (const std::exception& error) {
+    reportFailure(error.what());
+  } catch (...) {
+    reportFailure("an exception of unknown type");
+  }
+}
+
+void RigSelfCalibrator::reportFailure(const char* what) noexcept {
+  try {
+    const std::int64_t stamp_ns = newest_image_ns_;
+    if (!callbacks_.event) return;
+    callbacks_.event(0, {EventType::kInput, stamp_ns, stamp_ns,
+                         std::string("the cameras could not be solved together: ") + what});
+  } catch (...) {
+    // Who listens to events failed itself: there is nobody left to tell.
+  }
+}
+
 // On Linux a thread has a priority of its own.
 void RigSelfCalibrator::run() {
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), kNiceness);
@@ -120,7 +147,7 @@ void RigSelfCalibrator::run() {
       if (stopping_) return;
     }
     const auto begin = std::chrono::steady_clock::now();
-    session_.due() ? solve() : examineMounts();
+    work();
     const auto spent = std::chrono::steady_clock::now() - begin;
     std::unique_lock<std::mutex> lock(mutex_);
     wake_.wait_for(lock, spent, [this] { return stopping_.load(); });

@@ -6,6 +6,8 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <stdexcept>
+#include <string>
 
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/base/stamp.h"
@@ -146,6 +148,37 @@ TEST(RigSelfCalibrator, SolvesBesideTheImages) {
       [&] { return told.frames[0] == all && told.frames[1] == all && told.solutions > 0; }))
       << told.frames[0] << " and " << told.frames[1] << " images, " << told.solutions
       << " solutions";
+}
+
+TEST(RigSelfCalibrator, ACallbackThatThrowsEndsNoProcess) {
+  std::vector<Options> cameras = held();
+  for (Options& options : cameras) {
+    options.max_queued_images = 1000;
+    options.keyframe.min_parallax = 0.002;  // many keyframes
+  }
+  std::mutex mutex;
+  std::condition_variable news;
+  std::string told;
+  std::int64_t told_ns = 0;
+  RigCallbacks callbacks;
+  callbacks.rig = [](const RigReport& report) {
+    if (report.solutions > 0) throw std::runtime_error("no room on the disk");
+  };
+  callbacks.event = [&](int, const Event& event) {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (event.sentence.find("solved together") == std::string::npos) return;
+    told = event.sentence;
+    told_ns = event.stamp_ns;
+    news.notify_all();
+  };
+  RigSelfCalibrator rig({}, cameras, SelfCalibrator::Mode::kThreaded, callbacks);
+  for (const auto& pair : pairs()) {
+    for (int c = 0; c < 2; ++c) rig.process(c, pair[c]);
+  }
+  std::unique_lock<std::mutex> lock(mutex);
+  ASSERT_TRUE(news.wait_for(lock, std::chrono::seconds(120), [&] { return !told.empty(); }));
+  EXPECT_EQ(told, "the cameras could not be solved together: no room on the disk");
+  EXPECT_GE(told_ns, pairs().front()[0].stamp_ns);
 }
 
 TEST(RigSelfCalibrator, MayBeDestroyedInTheMiddleOfWork) {

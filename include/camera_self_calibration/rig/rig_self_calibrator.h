@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -17,7 +18,8 @@ namespace camera_self_calibration {
 struct RigCallbacks {
   std::function<void(int, const FrameResult&)> frame;
   std::function<void(int, const CalibrationReport&)> calibration;
-  /// Of a rig also kMountChanged.
+  /// Of a rig also kMountChanged; kInput, of the first camera, where a joint solution or a callback
+  /// failed with an exception.
   std::function<void(int, const Event&)> event;
   /// After each joint solution and each keyframe of a camera.
   std::function<void(const RigReport&)> rig;
@@ -51,6 +53,8 @@ class RigSelfCalibrator {
  private:
   Callbacks callbacksOf(int camera);
   void run();
+  void work() noexcept;
+  void reportFailure(const char* what) noexcept;
   RigReport tell(RigReport report);
   RigReport examineMounts();
 
@@ -60,6 +64,7 @@ class RigSelfCalibrator {
   std::mutex mutex_;
   std::condition_variable wake_;  // stopping_, or a keyframe came
   RigSession session_;
+  std::atomic<std::int64_t> newest_image_ns_{0};
   std::uint64_t told_epoch_ = 0;  // of the newest change of a mount; of the thread that solves
   std::vector<std::unique_ptr<SelfCalibrator>> cameras_;
   std::thread solver_;
