@@ -64,7 +64,8 @@ def read(path):
 
 def camera_name(folder, bag, topic):
     """robot7/front for the topic /front/image_raw of a bag in the folder robot7."""
-    words = [w for w in topic.split("/") if w and not re.match(r"(image|compressed)", w)]
+    words = [w for w in topic.split("/")
+             if w and not re.fullmatch(r"image(_(raw|mono|color|rect|rect_color))?|compressed", w)]
     robot = bag.parent.relative_to(folder).as_posix()
     return ("" if robot == "." else robot + "/") + ("_".join(words) or "camera")
 

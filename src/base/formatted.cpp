@@ -1,6 +1,7 @@
 #include "camera_self_calibration/base/formatted.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdarg>
 #include <cstddef>
 #include <cstdio>
@@ -49,6 +50,14 @@ std::string exactText(double value) {
   for (int digits = 6; digits <= 17; ++digits) {
     text = formatted("%.*g", digits, value);
     if (std::strtod(text.c_str(), nullptr) == value) break;
+  }
+  return text;
+}
+
+std::string realText(double value) {
+  std::string text = exactText(value);
+  if (std::isfinite(value) && text.find('.') == std::string::npos) {
+    text.insert(std::min(text.find('e'), text.size()), ".0");
   }
   return text;
 }

@@ -37,7 +37,7 @@ Recheck recheckCalibration(const RecheckOptions& options, const RecheckEvidence&
   result.sentence = "the new images do not tell enough of the lens yet";
   if (static_cast<int>(segment.keyframes.size()) < options.min_keyframes) return result;
   if (!(evidence.fresh_error.rms < 2.0 * evidence.threshold_px)) return result;
-  result.distance_px = pixelDistance(evidence.known, evidence.fresh).rms;
+  result.distance_px = pixelDistance(evidence.known, evidence.fresh, evidence.field).rms;
   const double expected = std::hypot(evidence.known_error.rms, evidence.fresh_error.rms);
   const double limit =
       std::max(options.thresholds * evidence.threshold_px, options.sigmas * expected);

@@ -21,7 +21,7 @@ void SettingArchive::store(Setting setting) {
 
 std::optional<Setting> SettingArchive::recall(const Camera& camera,
                                               const IntrinsicsMatrix& information,
-                                              double max_distance_px) {
+                                              const ImageField& field, double max_distance_px) {
   QuadraticLikelihood likelihood;
   likelihood.point = camera.parameters().head(camera.estimatedCount());
   likelihood.gradient = Intrinsics::Zero(likelihood.point.size());
@@ -34,7 +34,7 @@ std::optional<Setting> SettingArchive::recall(const Camera& camera,
         solution.information.rows() != information.rows()) {
       continue;
     }
-    const double distance = pixelDistance(solution.camera, camera).rms;
+    const double distance = pixelDistance(solution.camera, camera, field).rms;
     const Reference reference{solution.camera, solution.information, Scatter()};
     if (!(distance < least) || agreement({likelihood}, reference).p_value < kDifferent) continue;
     least = distance;

@@ -74,8 +74,11 @@ bool ChangeDetector::hasNews() const {
   return !recent_.empty() && recent_.back().likelihood.end_ns == last_stamp_ns_;
 }
 
-// The queue's, and the newest that fit a lens as well and share no moment with them.
-std::vector<QuadraticLikelihood> ChangeDetector::segmentsOf(const SegmentQueue& queue) const {
+// The queue's, and the newest that fit a lens as well and share no moment with them. Without those
+// that end later, by a clock that was set back since: whether they came before or after the others
+// nobody knows.
+std::vector<QuadraticLikelihood> ChangeDetector::segmentsOf(const SegmentQueue& queue,
+                                                            std::int64_t now_ns) const {
   const std::vector<Candidate>& candidates = queue.candidates();
   std::vector<QuadraticLikelihood> segments = ownLikelihoods(candidates);
   for (const RememberedSegment& segment : recent_) {
@@ -86,6 +89,10 @@ std::vector<QuadraticLikelihood> ChangeDetector::segmentsOf(const SegmentQueue& 
       segments.push_back(segment.likelihood);
     }
   }
+  segments.erase(
+      std::remove_if(segments.begin(), segments.end(),
+                     [now_ns](const QuadraticLikelihood& one) { return one.end_ns > now_ns; }),
+      segments.end());
   return segments;
 }
 
@@ -95,7 +102,7 @@ bool ChangeDetector::isEstablished(const LensCourse& course) const {
 
 LensDrift ChangeDetector::drift(const SegmentQueue& queue, std::int64_t now_ns) const {
   const Camera& camera = queue.solution().camera;
-  const LensCourse course = courseOfLens(segmentsOf(queue), camera, now_ns);
+  const LensCourse course = courseOfLens(segmentsOf(queue, now_ns), camera, now_ns);
   LensDrift drift;
   if (!course.exceeds(1.0)) return drift;
   drift.significant = withEstimated(camera, course.now).valid();
@@ -113,7 +120,7 @@ bool ChangeDetector::isRatherDrift(const ChangeVerdict& change, const SegmentQue
                             change.camera.parameters().head(count), Intrinsics::Zero(count),
                             change.information};
   std::vector<QuadraticLikelihood> segments{std::move(since)};
-  for (QuadraticLikelihood& segment : segmentsOf(queue)) {
+  for (QuadraticLikelihood& segment : segmentsOf(queue, last_stamp_ns_)) {
     if (segment.end_ns < change.onset_ns) segments.push_back(std::move(segment));
   }
   const LensCourse course =
@@ -123,7 +130,7 @@ bool ChangeDetector::isRatherDrift(const ChangeVerdict& change, const SegmentQue
 
 ChangeVerdict ChangeDetector::examineCourse(const SegmentQueue& queue) {
   const Camera& camera = queue.solution().camera;
-  const LensCourse course = courseOfLens(segmentsOf(queue), camera, last_stamp_ns_);
+  const LensCourse course = courseOfLens(segmentsOf(queue, last_stamp_ns_), camera, last_stamp_ns_);
   ChangeVerdict verdict;
   if (!isEstablished(course)) return verdict;
   verdict.p_value = course.pValue();
@@ -142,7 +149,7 @@ void ChangeDetector::describeStep(const SegmentQueue& queue, ChangeVerdict* verd
   const Camera& camera = queue.solution().camera;
   std::vector<QuadraticLikelihood> since;
   verdict->information = nothingKnown(camera).information;
-  for (const QuadraticLikelihood& segment : segmentsOf(queue)) {
+  for (const QuadraticLikelihood& segment : segmentsOf(queue, last_stamp_ns_)) {
     if (segment.point.size() != camera.estimatedCount() || segment.begin_ns < verdict->onset_ns)
       continue;
     since.push_back(segment);

@@ -78,7 +78,8 @@ void Assembly::place(const TrackRecord& record, int reference, const Camera* cam
   if (record.solved == nullptr) {
     const Eigen::Vector2d pixel =
         landmark->anchored ? landmark->reference_pixel : record.sightings.begin()->second.pixel;
-    if (const auto ray = camera->unproject(pixel)) landmark->bearing = *ray;
+    const Camera& seen_with = result_.cameraOf(reference, *camera);
+    if (const auto ray = seen_with.unproject(pixel)) landmark->bearing = *ray;
     return;
   }
   const Keyframe& from = record.solved->keyframes[record.landmark.reference];

@@ -48,6 +48,7 @@ BackEndOutput BackEnd::hold(const KeyframeMessage& message, const std::string& r
 void BackEnd::see(const KeyframeMessage& message) {
   if (message.candidate.endNs() < state_.stamp_ns) state_.watch.forgetStamps();
   state_.stamp_ns = message.candidate.endNs();
+  if (state_.keyframes == 0) state_.earlier_keyframes = message.keyframes - 1;
   state_.keyframes = message.keyframes;
 }
 
@@ -158,8 +159,8 @@ void BackEnd::recallSetting() {
   if (!isStarting(state_.phase) || !state_.startup.usable()) return;
   const double limit = kSameSetting * convergedRms();
   if (!(startupUncertainty(state_.startup, state_.field).rms < limit)) return;
-  const std::optional<Setting> setting =
-      state_.settings.recall(state_.startup.camera(), state_.startup.information(), limit);
+  const std::optional<Setting> setting = state_.settings.recall(
+      state_.startup.camera(), state_.startup.information(), state_.field, limit);
   if (!setting) return;
   SegmentQueue queue = setting->queue;
   const Camera camera = queue.solution().camera;

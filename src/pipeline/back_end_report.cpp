@@ -50,7 +50,7 @@ HealthVerdict verdictOn(const BackEndState& state, double converged_rms, Calibra
   const bool by_queue = queueLeads(state.phase);
   const LensFitReport& fit = state.lens_fit.report();
   HealthEvidence evidence;
-  evidence.keyframes = static_cast<int>(state.keyframes);
+  evidence.keyframes = static_cast<int>(state.keyframesOfLens());
   evidence.has_estimate = by_queue || state.startup.usable();
   evidence.handed_over = !isStarting(state.phase);
   evidence.information =

@@ -110,6 +110,7 @@ CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
 
   advance(PhaseTrigger::kLensChanged);
   ++state_.counters.epoch;
+  state_.earlier_keyframes = state_.keyframes;
   state_.health.state = CalibrationState::kInitializing;
   converged_told_ = false;  // the event above says it
   state_.model_choice = ModelChoice(ModelChoiceOptions());

@@ -8,6 +8,16 @@ namespace {
 // Keyframes in a row that must say that the lens is another one.
 constexpr int kContradictions = 2;
 
+// What the new images show best. The startup batch grows no more once the queue leads.
+const Segment& mostSeen(const BackEndState& fresh) {
+  const Segment* most = &fresh.startup.segment();
+  if (isStarting(fresh.phase)) return *most;
+  for (const Candidate& candidate : fresh.queue.candidates()) {
+    if (candidate.segment.keyframes.size() > most->keyframes.size()) most = &candidate.segment;
+  }
+  return *most;
+}
+
 }  // namespace
 
 CheckedBackEnd::CheckedBackEnd(const Options& options, const Beginning& beginning,
@@ -47,8 +57,12 @@ void CheckedBackEnd::check(const KeyframeMessage& message, BackEndOutput* output
   evidence.fresh = fresh_->state().known.camera;
   evidence.fresh_error = fresh_->state().uncertainty();
   evidence.threshold_px = options_.convergedRms(main_.state().known.camera.width());
-  const Recheck recheck =
-      recheckCalibration(RecheckOptions(), evidence, fresh_->state().startup.segment());
+  evidence.field = fresh_->state().field;
+  RecheckOptions recheck_options;
+  if (!isStarting(fresh_->state().phase)) {  // on a queue, which asks for no more of its segments
+    recheck_options.min_keyframes = CandidateOptions().min_keyframes;
+  }
+  const Recheck recheck = recheckCalibration(recheck_options, evidence, mostSeen(fresh_->state()));
   contradictions_ = recheck.verdict == RecheckVerdict::kDifferent ? contradictions_ + 1 : 0;
   if (recheck.verdict == RecheckVerdict::kSame) {
     confirm(recheck, output);

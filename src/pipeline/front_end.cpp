@@ -42,13 +42,15 @@ FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t fi
       relocalizer_(options.relocalization_keyframes),
       keyframes_(first_keyframe) {
   window_.setLineDelay(options_.readout_s / rowSteps(camera.height()));
-  if (options_.fix_intrinsics) {
-    CalibrationUpdate held;
-    held.line_delay_s = window_.map().lineDelayS();
-    held.camera = camera;
-    held.handed_over = true;
-    adopt(held);
-  }
+  if (options_.fix_intrinsics) adoptHeld(camera);
+}
+
+void FrontEnd::adoptHeld(const Camera& camera) {
+  CalibrationUpdate held;
+  held.line_delay_s = window_.map().lineDelayS();
+  held.camera = camera;
+  held.handed_over = true;
+  adopt(held);
 }
 
 void FrontEnd::adopt(const CalibrationUpdate& update) {
@@ -59,8 +61,12 @@ void FrontEnd::adopt(const CalibrationUpdate& update) {
   const Rigid3 newest = window_.newestPose();
   if (update.epoch != epoch_) {
     epoch_ = update.epoch;
-    epoch_onset_ns_ = update.onset_ns;
-    window_.changeLens(update.onset_ns);
+    // A later one is of a map that is gone, by a clock that was set back since: all of this map is
+    // of the present lens.
+    const std::deque<Keyframe>& keyframes = window_.map().keyframes();
+    const bool in_map = !keyframes.empty() && update.onset_ns <= keyframes.back().stamp_ns;
+    epoch_onset_ns_ = in_map ? update.onset_ns : 0;
+    window_.changeLens(epoch_onset_ns_);
     monitor_.reset();
   }
   if (update.line_delay_s != window_.map().lineDelayS()) window_.setLineDelay(update.line_delay_s);
@@ -97,6 +103,7 @@ void FrontEnd::restart(const Camera& camera, std::int64_t first_keyframe) {
   epoch_ = 0;
   keyframes_ = first_keyframe;
   world_from_camera_ = Rigid3();
+  if (options_.fix_intrinsics) adoptHeld(camera);
 }
 
 void FrontEnd::scaleMap(double factor) {

@@ -11,7 +11,7 @@ namespace camera_self_calibration {
 // speaks against it is said, lest the motion be blamed.
 void BackEnd::considerStartupModel() {
   if (queueLeads(state_.phase) || !state_.startup.comparable()) return;
-  if (!state_.model_choice.isDue(state_.keyframes)) return;
+  if (!state_.model_choice.isDue(state_.keyframesOfLens())) return;
   const LensComparison comparison = state_.lens_fit.compareStart(
       state_.startup.solved(), {state_.startup.camera(), state_.startup.covariance()}, state_.field,
       options_.solver_threads);
@@ -24,7 +24,7 @@ void BackEnd::considerLensFit() {
   const bool verdict_due = state_.health.state != CalibrationState::kConverged &&
                            state_.uncertainty().rms <= convergedRms();
   const auto comparison = state_.lens_fit.consider(
-      state_.keyframes, verdict_due, state_.queue.candidates(), state_.queue.solution(),
+      state_.keyframesOfLens(), verdict_due, state_.queue.candidates(), state_.queue.solution(),
       {state_.field, state_.known.observed_area}, options_.solver_threads);
   if (!comparison) return;
   stateUncertainty();
@@ -33,14 +33,15 @@ void BackEnd::considerLensFit() {
 }
 
 void BackEnd::chooseModel(const LensComparison& comparison) {
+  const ModelChoice before = state_.model_choice;
   const std::optional<LensTrial> other =
       state_.model_choice.choose(comparison, state_.field, options_.solver_threads);
-  if (other) switchModel(*other);
+  if (other && !switchModel(*other)) state_.model_choice = before;
 }
 
-// The queue's segments stay, scored anew; after hand-over, if their joint estimate fails, all stays
-// as it was.
-void BackEnd::switchModel(const LensTrial& lens) {
+// The queue's segments stay, scored anew. After hand-over, if their joint estimate fails, all stays
+// as it was: false.
+bool BackEnd::switchModel(const LensTrial& lens) {
   std::vector<Candidate> candidates;
   for (const Candidate& candidate : state_.queue.candidates()) {
     const bool restored = candidate.observed.keyframes.empty();
@@ -51,7 +52,7 @@ void BackEnd::switchModel(const LensTrial& lens) {
   Shutter shutter = state_.shutter;
   shutter.solve(candidates, lens.camera, &queue);
   const bool starting = isStarting(state_.phase);
-  if (!starting && !queue.solution().usable) return;
+  if (!starting && !queue.solution().usable) return false;
   if (starting) state_.startup.switchModel(lens.camera, lens.segments);
   clearQueue();
   state_.watch.forgetWindows();  // what they said is of the other model's parameters
@@ -68,6 +69,7 @@ void BackEnd::switchModel(const LensTrial& lens) {
   } else {
     adoptSolution();
   }
+  return true;
 }
 
 }  // namespace camera_self_calibration

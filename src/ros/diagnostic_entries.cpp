@@ -47,7 +47,9 @@ void describeCameraInfo(const CameraInfoState& info, Status* status) {
   status->add("camera_info conversion error max [px]", info.error.max);
   if (info.inherited) {
     addJudgement(DiagnosticStatus::OK,
-                 "camera_info is the calibration of the former image size, rescaled.", status);
+                 "camera_info is what was known before the images changed, until they confirm or "
+                 "replace it.",
+                 status);
   }
   if (info.given) {
     addJudgement(DiagnosticStatus::OK,

@@ -17,16 +17,6 @@ constexpr int kSizes[] = {5, 10, 15, 20};
 constexpr int kInterval = 20;
 constexpr double kGrowth = 0.25;
 
-const BatchEstimate* comparable(const CalibrationReport& queue, const BatchComparison& comparison) {
-  if (comparison.batch.size() <= comparison.present_lens || queue.covariance.size() == 0) {
-    return nullptr;
-  }
-  const BatchEstimate& batch = comparison.batch.back();
-  const bool same = batch.covariance.rows() == queue.covariance.rows() &&
-                    batch.camera.model() == queue.camera.model();
-  return same ? &batch : nullptr;
-}
-
 /// Difference over sqrt(C_queue - C_batch); not a number where the batch is said to be the worse
 /// one.
 double efficientDifference(const CalibrationReport& queue, const BatchEstimate& batch,
@@ -38,6 +28,16 @@ double efficientDifference(const CalibrationReport& queue, const BatchEstimate& 
 }
 
 }  // namespace
+
+const BatchEstimate* comparable(const CalibrationReport& queue, const BatchComparison& comparison) {
+  if (comparison.batch.size() <= comparison.present_lens || queue.covariance.size() == 0) {
+    return nullptr;
+  }
+  const BatchEstimate& batch = comparison.batch.back();
+  const bool same = batch.covariance.rows() == queue.covariance.rows() &&
+                    batch.camera.model() == queue.camera.model();
+  return same ? &batch : nullptr;
+}
 
 void BatchComparer::startOthers(const Camera& first) {
   for (const int size : kSizes) {

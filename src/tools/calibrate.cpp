@@ -183,6 +183,9 @@ Recording calibrate(ImageSource* source, const Options& options, const Calibrate
   recording.processing_seconds = progress.elapsedSeconds();
   recording.final_report = atTheEnd(calibrator.calibration());
   recording.learnt = calibrator.state();
+  if (extras.audited && recording.frames > 0 && !recording.audit) {  // there was no keyframe
+    recording.audit = audit(*extras.audited, recording.final_report, extras.audit);
+  }
   if (!example.found().gray.empty()) recording.example = example.found();
   if (extras.batch && recording.complete) recording.batch = batch.finish();
   if (recording.frames > 0) progress.show(recording.final_report, true);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <boost/program_options.hpp>
 #include <cmath>
+#include <filesystem>
 #include <set>
 #include <stdexcept>
+#include <system_error>
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
@@ -217,6 +219,12 @@ void refuseResultsAsInput(const po::variables_map& given, const std::string& out
     throw std::runtime_error(std::string("--") + option +
                              " names a file in the folder of --out, whose files a run replaces. "
                              "Give another folder to --out");
+  }
+  // The pictures of --batch would be among the images of the next run.
+  std::error_code none;
+  const std::string input = given["input"].as<std::string>();
+  if (std::filesystem::is_directory(input, none) && std::filesystem::equivalent(input, out, none)) {
+    throw std::runtime_error("the images are in the folder of --out. Give another folder to --out");
   }
 }
 

@@ -119,7 +119,8 @@ std::string kalibrText(const Camera& camera, const CalibrationLabels& labels,
   return name + ":\n  camera_model: pinhole\n  intrinsics: [" + listText(p, 0, 4) +
          "]\n  distortion_model: " + distortionName(camera.model()) + "\n  distortion_coeffs: [" +
          listText(p, 4, p.size() - 4) + "]\n  resolution: [" + std::to_string(camera.width()) +
-         ", " + std::to_string(camera.height()) + "]\n  rostopic: " + labels.topic + "\n";
+         ", " + std::to_string(camera.height()) + "]\n  rostopic: " + wordText(labels.topic, "/") +
+         "\n";
 }
 
 }  // namespace camera_self_calibration

@@ -63,7 +63,7 @@ std::string orbSlam3Text(const Camera& camera, const CalibrationLabels& labels) 
   const std::vector<std::string> names = camera.parameterNames();
   for (int i = 0; i < camera.parameterCount(); ++i) {
     text += "Camera1." + names[static_cast<std::size_t>(i)] + ": " +
-            exactText(camera.parameters()[i]) + "\n";
+            realText(camera.parameters()[i]) + "\n";
   }
   text += "Camera.width: " + std::to_string(camera.width()) +
           "\nCamera.height: " + std::to_string(camera.height()) +

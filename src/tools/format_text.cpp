@@ -1,6 +1,7 @@
 #include "format_text.h"
 
 #include <algorithm>
+#include <cctype>
 #include <stdexcept>
 
 #include "camera_self_calibration/camera/image_size.h"
@@ -11,8 +12,23 @@ namespace camera_self_calibration {
 std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index count) {
   std::string text;
   for (Eigen::Index i = 0; i < count; ++i)
-    text += (i > 0 ? ", " : "") + exactText(values[first + i]);
+    text += (i > 0 ? ", " : "") + realText(values[first + i]);
   return text;
+}
+
+std::string wordText(const std::string& word, const std::string& also_plain) {
+  const auto isPlain = [&also_plain](char c) {
+    return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           also_plain.find(c) != std::string::npos;
+  };
+  const bool number = word.empty() || std::isdigit(static_cast<unsigned char>(word.front())) != 0;
+  if (!number && std::all_of(word.begin(), word.end(), isPlain)) return word;
+  std::string text;
+  for (const char c : word) {
+    if (c == '"' || c == '\\') text += '\\';
+    text += c == '\n' ? "\\n" : std::string(1, c);
+  }
+  return '"' + text + '"';
 }
 
 std::string offBy(const PixelError& error) {

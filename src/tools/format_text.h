@@ -13,6 +13,10 @@ namespace camera_self_calibration {
 /// "1, 2, 3" of `count` values from `first` on.
 std::string listText(const Intrinsics& values, Eigen::Index first, Eigen::Index count);
 
+/// As YAML and OpenCV read a text: in quotation marks, unless it is a plain word, which may contain
+/// some other characters too.
+std::string wordText(const std::string& word, const std::string& also_plain = "");
+
 /// "off by 0.1 px rms, 0.3 px at most".
 std::string offBy(const PixelError& error);
 

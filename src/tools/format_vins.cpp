@@ -1,7 +1,5 @@
 // The camera files of VINS-Mono and VINS-Fusion (camodocal).
 
-#include <algorithm>
-#include <cctype>
 #include <stdexcept>
 
 #include "format_text.h"
@@ -28,21 +26,6 @@ std::string groupText(const std::string& group, const std::vector<const char*>& 
     text += "   " + std::string(name) + ": " + exactText(values[first++]) + "\n";
   }
   return text;
-}
-
-/// As OpenCV reads a text: in quotation marks, unless it is a plain word.
-std::string wordText(const std::string& word) {
-  const auto isPlain = [](char c) {
-    return c == '_' || std::isalnum(static_cast<unsigned char>(c)) != 0;
-  };
-  const bool number = word.empty() || std::isdigit(static_cast<unsigned char>(word.front())) != 0;
-  if (!number && std::all_of(word.begin(), word.end(), isPlain)) return word;
-  std::string text;
-  for (const char c : word) {
-    if (c == '"' || c == '\\') text += '\\';
-    text += c == '\n' ? "\\n" : std::string(1, c);
-  }
-  return '"' + text + '"';
 }
 
 }  // namespace

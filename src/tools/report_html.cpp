@@ -207,8 +207,7 @@ const Camera* sameModel(const std::optional<Camera>& reference, const Camera& ca
 void addParameters(const Recording& recording, HtmlPage* page) {
   const CalibrationReport& report = recording.final_report;
   const Camera* reference = sameModel(recording.reference, report.camera);
-  const BatchEstimate* batch =
-      recording.batch.batch.empty() ? nullptr : &recording.batch.batch.back();
+  const BatchEstimate* batch = comparable(report, recording.batch);
   std::vector<std::vector<std::string>> rows = {{"parameter", "estimate", "sigma"}};
   if (reference != nullptr) {
     rows[0].insert(rows[0].end(), {"reference", "difference", "in sigmas"});

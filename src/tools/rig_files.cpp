@@ -31,7 +31,7 @@ std::string motionText(const Rigid3& motion) {
   std::string text = "  T_cn_cnm1:\n";
   for (int r = 0; r < 3; ++r) {
     text += "  - [";
-    for (int c = 0; c < 4; ++c) text += (c > 0 ? ", " : "") + exactText(rows(r, c));
+    for (int c = 0; c < 4; ++c) text += (c > 0 ? ", " : "") + realText(rows(r, c));
     text += "]\n";
   }
   return text + "  - [0.0, 0.0, 0.0, 1.0]\n";

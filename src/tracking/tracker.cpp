@@ -36,7 +36,7 @@ void Tracker::Impl::restart() {
 }
 
 void Tracker::Impl::load(const ImageView& image) {
-  if (current_.size() != cv::Size(image.width, image.height)) {
+  if (frame.width != image.width || frame.height != image.height) {
     restart();
     carried_.clear();
   }

@@ -27,6 +27,16 @@ TEST(Formatted, NumbersReadBack) {
   EXPECT_EQ(exactText(0.1), "0.1");
 }
 
+TEST(Formatted, RealNumbersHaveAPoint) {
+  for (const double value : {615.0, -2.0, 5e-5, 1e-300, 6.02214076e23, 0.1, 0.0}) {
+    const std::string text = realText(value);
+    EXPECT_NE(text.find('.'), std::string::npos) << text;
+    EXPECT_EQ(std::strtod(text.c_str(), nullptr), value) << text;
+  }
+  EXPECT_EQ(realText(615.0), "615.0");
+  EXPECT_EQ(realText(5e-5), "5.0e-05");
+}
+
 TEST(Formatted, SecondsAreExact) {
   EXPECT_EQ(stampText(1700000000123456789), "1700000000.123456789");
   EXPECT_EQ(stampText(5), "0.000000005");

@@ -40,12 +40,12 @@ TEST(SettingArchive, RecallsTheSettingThatReturned) {
   archive.store({4, queueOf(zoomed(lens(), 1.1))});
   const QueueSolution& solution = plain().solution();
   const Camera near = longer(solution, 1.0);
-  const auto found = archive.recall(near, solution.information, 1.0);
+  const auto found = archive.recall(near, solution.information, {}, 1.0);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->epoch, 3u);
   EXPECT_EQ(found->queue.candidates().size(), 2u);
   EXPECT_EQ(found->queue.solution().camera.parameters(), solution.camera.parameters());
-  EXPECT_FALSE(archive.recall(near, solution.information, 1.0)) << "taken out";
+  EXPECT_FALSE(archive.recall(near, solution.information, {}, 1.0)) << "taken out";
 }
 
 TEST(SettingArchive, NeverTakesAnotherSettingForIt) {
@@ -55,8 +55,8 @@ TEST(SettingArchive, NeverTakesAnotherSettingForIt) {
   // Near over the image, but many sigmas away; and far, but not known to be.
   const Camera near = longer(solution, 10.0);
   ASSERT_LT(pixelDistance(near, solution.camera).rms, 4.0);
-  EXPECT_FALSE(archive.recall(near, solution.information, 4.0));
-  EXPECT_FALSE(archive.recall(zoomed(lens(), 1.05), 1e-6 * solution.information, 1.0));
+  EXPECT_FALSE(archive.recall(near, solution.information, {}, 4.0));
+  EXPECT_FALSE(archive.recall(zoomed(lens(), 1.05), 1e-6 * solution.information, {}, 1.0));
 }
 
 TEST(SettingArchive, StaysBounded) {
@@ -70,7 +70,7 @@ TEST(SettingArchive, StaysBounded) {
   int kept = 0;
   for (const SegmentQueue& queue : queues) {
     const QueueSolution& solution = queue.solution();
-    kept += archive.recall(solution.camera, solution.information, 0.5).has_value();
+    kept += archive.recall(solution.camera, solution.information, {}, 0.5).has_value();
   }
   EXPECT_EQ(kept, 4);
 }
@@ -79,7 +79,7 @@ TEST(SettingArchive, KeepsNoQueueWithoutASolution) {
   SettingArchive archive;
   archive.store({1, roomyQueue()});
   const QueueSolution& solution = plain().solution();
-  EXPECT_FALSE(archive.recall(lens(), solution.information, 1e9));
+  EXPECT_FALSE(archive.recall(lens(), solution.information, {}, 1e9));
 }
 
 }  // namespace

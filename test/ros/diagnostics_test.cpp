@@ -93,8 +93,8 @@ TEST(CalibrationEntry, WhereTheCameraInfoComesFromIsSaidAtOnce) {
   CameraInfoState info = published();
   info.inherited = true;
   expectSays(calibration(converged(), info), DiagnosticStatus::OK,
-             "The calibration is good to 0.31 px rms over the image. camera_info is the "
-             "calibration of the former image size, rescaled.");
+             "The calibration is good to 0.31 px rms over the image. camera_info is what was known "
+             "before the images changed, until they confirm or replace it.");
   info.inherited = false;
   info.given = true;
   expectSays(calibration(converged(), info), DiagnosticStatus::OK,

@@ -219,6 +219,22 @@ TEST(CalibrateBag, AuditsACalibration) {
   EXPECT_TRUE(YAML::LoadFile(folder / "untold/summary.json")["audit"]["p_value"].IsNull());
 }
 
+TEST(CalibrateBag, AnAuditOfDarkImagesCannotTell) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "dark");
+  for (const char* name : {"dark/1.png", "dark/2.png", "dark/3.png"}) {
+    cv::imwrite(folder / name, cv::Mat::zeros(240, 320, CV_8U));
+  }
+  std::ofstream(folder / "used.yaml")
+      << "model: pinhole\nwidth: 320\nheight: 240\nparams: [250.0, 250.0, 160.0, 120.0]\n";
+  const Outcome outcome = calibrateBag((folder / "dark") + " --audit " + (folder / "used.yaml") +
+                                       " --out " + (folder / "out"));
+  EXPECT_EQ(outcome.exit_code, 6) << outcome.output;
+  EXPECT_TRUE(mentions(outcome, "audit: CANNOT_TELL")) << outcome.output;
+  const YAML::Node summary = YAML::LoadFile(folder / "out/summary.json");
+  EXPECT_EQ(summary["audit"]["verdict"].as<std::string>(), "CANNOT_TELL");
+}
+
 // But for the two values of summary.json that may differ.
 std::string withoutTimes(const std::string& text) {
   const std::regex times("\"(processing_seconds|frames_per_second)\": [^,]*|<p id=\"run\">.*");
@@ -514,6 +530,7 @@ TEST(CalibrateBag, ErrorsSayWhatToDo) {
       {folder.string() + " --mask ''", "--mask names no file"},
       {folder.string() + " --topics /a /b --mask mask.png", "--mask is for one camera"},
       {folder.string() + " --speed 3", "--speed"},
+      {folder.string() + " --batch --out " + folder.string(), "in the folder of --out"},
       {folder.string() + " --rate=%value%", "holds %value%"},
       {folder.string() + " --%original_token%x=1", "holds %original_token%"},
       {folder.string() + " --rate -3", "--rate is -3"},

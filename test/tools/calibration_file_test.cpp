@@ -118,6 +118,15 @@ TEST(CalibrationFile, KalibrHasItsOwnNames) {
   }
 }
 
+TEST(CalibrationFile, KalibrNamesAnyRecording) {
+  const TemporaryFolder folder;
+  const Camera camera = makeCamera(CameraModel::kPinhole, {500, 510, 320, 240});
+  for (const std::string name : {"walk 12: 30.mp4", "[1]", "a \"b\" \\c", "12"}) {
+    writeKalibrCalibration(folder / "k.yaml", name, camera);
+    EXPECT_EQ(YAML::LoadFile(folder / "k.yaml")["cam0"]["rostopic"].as<std::string>(), name);
+  }
+}
+
 TEST(CalibrationFile, KalibrGetsAFitOfRadtanWithK3) {
   const TemporaryFolder folder;
   const Camera with_k3 =

@@ -269,6 +269,12 @@ TEST(OrbSlam3Format, ReadsOldAndNewSettings) {
                            "Camera1.k3: ", "Camera.fps: 30", "ORBextractor.nFeatures: "}) {
     EXPECT_NE(text.find(line), std::string::npos) << line;
   }
+  const Camera round(CameraModel::kRadtan, 640, 480,
+                     intrinsics({615, 615, 320, 240, 0.01, 0, 0, 0}));
+  const std::string real = calibrationText(round, orb);
+  for (const char* line : {"Camera1.fx: 615.0\n", "Camera1.p1: 0.0\n"}) {
+    EXPECT_NE(real.find(line), std::string::npos) << "ORB-SLAM3 takes no integer: " << line;
+  }
   const std::string rectified = replaced(text, "PinHole", "Rectified");
   EXPECT_EQ(parseCalibration(rectified, orb).camera.model(), CameraModel::kPinhole);
 }

@@ -180,6 +180,9 @@ class FleetTest(unittest.TestCase):
                          "robot7/front")
         self.assertEqual(name(root, root / "a.bag", "/stereo/left/image_rect"), "stereo_left")
         self.assertEqual(name(root, root / "a.bag", "/image_raw"), "camera")
+        self.assertEqual(name(root, root / "a.bag", "/camera/image_left/compressed"),
+                         "camera_image_left")
+        self.assertEqual(name(root, root / "a.bag", "/camera/image_rect_color"), "camera")
 
 
 if __name__ == "__main__":

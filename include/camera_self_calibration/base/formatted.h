@@ -24,6 +24,10 @@ std::string sentencesOf(const std::string& text, const std::string& more);
 /// Shortest text that reads back as the same number.
 std::string exactText(double value);
 
+/// The same with a decimal point, by which readers of YAML tell a real number from an integer
+/// (ORB-SLAM3 accepts no other) and from a word (Python's: 5e-05).
+std::string realText(double value);
+
 /// A stamp in seconds with nine decimals, which is exact.
 std::string stampText(std::int64_t nanoseconds);
 

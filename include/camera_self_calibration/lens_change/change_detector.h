@@ -111,7 +111,7 @@ class ChangeDetector {
   // In slow_change.cpp: all segments.
   bool isNewSegment(std::int64_t begin_ns) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const QuadraticLikelihood& likelihood);
-  std::vector<QuadraticLikelihood> segmentsOf(const SegmentQueue& queue) const;
+  std::vector<QuadraticLikelihood> segmentsOf(const SegmentQueue& queue, std::int64_t now_ns) const;
   bool isEstablished(const LensCourse& course) const;  // with the allowed rate of false alarms
   bool isRatherDrift(const ChangeVerdict& change, const SegmentQueue& queue) const;
   ChangeVerdict examineCourse(const SegmentQueue& queue);

@@ -24,6 +24,7 @@ struct RecheckEvidence {
   PixelError known_error;     ///< Its stated uncertainty [px].
   Camera fresh;               ///< Estimated from `segment` alone.
   PixelError fresh_error;     ///< Its stated uncertainty [px].
+  ImageField field;           ///< The part of the image that these are over.
   double threshold_px = 1.0;  ///< rms below which a calibration counts as converged.
 };
 

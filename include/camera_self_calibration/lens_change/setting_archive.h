@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/camera/image_field.h"
 #include "camera_self_calibration/queue/segment_queue.h"
 
 namespace camera_self_calibration {
@@ -23,9 +24,10 @@ class SettingArchive {
   void store(Setting setting);
 
   /// Takes out the setting that agrees with an estimate of this information: neither statistically
-  /// different nor, over the image, by more than `max_distance_px` rms. The nearest, if several.
+  /// different nor, over the part of the image that sees, by more than `max_distance_px` rms. The
+  /// nearest, if several.
   std::optional<Setting> recall(const Camera& camera, const IntrinsicsMatrix& information,
-                                double max_distance_px);
+                                const ImageField& field, double max_distance_px);
 
  private:
   std::deque<Setting> settings_;

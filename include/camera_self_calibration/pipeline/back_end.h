@@ -71,7 +71,7 @@ class BackEnd {
   void considerStartupModel();
   void considerLensFit();
   void chooseModel(const LensComparison& comparison);
-  void switchModel(const LensTrial& lens);
+  bool switchModel(const LensTrial& lens);
 
   // In beginnings.cpp.
   CandidateOutcome beginLens(const ChangeVerdict& verdict);

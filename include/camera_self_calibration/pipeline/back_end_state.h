@@ -54,6 +54,9 @@ struct BackEndState {
   /// Of `known`, with the misfit of the model [px].
   PixelError uncertainty() const { return known.noise.inQuadrature(lens_fit.report().misfit); }
 
+  /// Seen of the present lens.
+  std::int64_t keyframesOfLens() const { return keyframes - earlier_keyframes; }
+
   bool chooses_model;  ///< Else it was given.
   Phase phase = Phase::kNothingKnown;
   KnownLens known;
@@ -70,8 +73,10 @@ struct BackEndState {
   std::string last_change;          ///< Of the lens, in words; empty if there was none.
   std::int64_t last_change_ns = 0;  ///< When it began.
 
-  std::int64_t stamp_ns = 0;    ///< Of the newest keyframe.
-  std::int64_t keyframes = 0;   ///< Seen so far.
+  std::int64_t stamp_ns = 0;   ///< Of the newest keyframe.
+  std::int64_t keyframes = 0;  ///< Seen so far.
+  /// Of them, those of earlier lenses, or from before this start.
+  std::int64_t earlier_keyframes = 0;
   ImageField field;             ///< The part of the image that sees.
   CandidateOutcome outcome;     ///< Of its candidate.
   double change_p_value = 1.0;  ///< Of the newest test whether the lens is still the same.

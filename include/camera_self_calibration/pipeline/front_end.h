@@ -98,6 +98,7 @@ class FrontEnd {
   void scaleMap(double factor);
 
  private:
+  void adoptHeld(const Camera& camera);
   void locate(const TrackedFrame& frame, FrontEndOutput* output);
   void makeKeyframe(const TrackedFrame& frame, std::vector<Track> detected,
                     const Describe& describe, FrontEndOutput* output);

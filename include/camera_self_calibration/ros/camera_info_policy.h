@@ -25,7 +25,7 @@ struct CameraInfoOptions {
 struct CameraInfoState {
   std::string distortion_model;  ///< Empty while zeros go out.
   PixelError error;              ///< Of the conversion to it [px].
-  bool inherited = false;        ///< Rescaled from another image size, not estimated in this one.
+  bool inherited = false;        ///< From before the images changed, not confirmed in these.
   bool given = false;            ///< By set_camera_info, and not replaced by an estimate yet.
   bool last_good = false;        ///< CONVERGED once, while the present estimate is not.
   /// Why zeros go out although there is a calibration; empty otherwise.

@@ -28,6 +28,10 @@ struct BatchComparison {
   std::vector<QueueSizeRun> sizes;
 };
 
+/// The batch of all keyframes with the present lens, if there is one whose parameters are those of
+/// the queue.
+const BatchEstimate* comparable(const CalibrationReport& queue, const BatchComparison& comparison);
+
 /// Watches a run: solves the whole trajectory (after a change of the lens, what came since) at
 /// intervals that grow with its length, and runs further back ends, with queues of 5, 10, 15 and 20
 /// segments, on the same keyframes.
