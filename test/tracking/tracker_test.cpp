@@ -139,9 +139,7 @@ TEST(Tracker, LeavesOutWhatTheCameraCarries) {
     return pixel.x() < 120.0 && pixel.y() > 120.0;
   };
   const TestImage robot = still(99);
-  Tracker tracker{TrackerOptions()};
-  std::size_t at_first = 0, at_last = 0, carried = 0, scene = 0;
-  for (int i = 0; i < 30; ++i) {
+  const auto seen = [&robot](int i) {
     std::mt19937_64 random(static_cast<std::uint64_t>(i) + 1);
     const Rigid3 turned(expSo3({0.0, 0.02 * i, 0.0}), Eigen::Vector3d::Zero());
     TestImage image = renderer().render(turned, {}, &random);
@@ -149,6 +147,12 @@ TEST(Tracker, LeavesOutWhatTheCameraCarries) {
       std::copy_n(robot.pixels.begin() + y * image.width, 120,
                   image.pixels.begin() + y * image.width);
     }
+    return image;
+  };
+  Tracker tracker{TrackerOptions()};
+  std::size_t at_first = 0, at_last = 0, carried = 0, scene = 0;
+  for (int i = 0; i < 30; ++i) {
+    const TestImage image = seen(i);
     const TrackedFrame& frame = tracker.track(image.view(i));
     carried += frame.carried.size();
     for (const Track& track : tracker.detect()) {
@@ -166,6 +170,17 @@ TEST(Tracker, LeavesOutWhatTheCameraCarries) {
   EXPECT_GT(carried, at_first * 9 / 10);
   EXPECT_LT(at_last, 3u);
   EXPECT_GT(scene, 60u);
+  // Tracking that begins again still knows those places.
+  tracker.reset();
+  Tracker unknowing{TrackerOptions()};
+  const auto onTheRobotIn = [&](Tracker* another) {
+    another->track(seen(30).view(30));
+    const std::vector<Track> tracks = another->detect();
+    return std::count_if(tracks.begin(), tracks.end(),
+                         [&](const Track& track) { return onTheRobot(track.pixel); });
+  };
+  const auto again = onTheRobotIn(&tracker);
+  EXPECT_LT(2 * again, onTheRobotIn(&unknowing)) << again;
 }
 
 // What is in one image alone, such as noise, begins no track.
