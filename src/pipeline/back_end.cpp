@@ -48,6 +48,7 @@ BackEndOutput BackEnd::hold(const KeyframeMessage& message, const std::string& r
 void BackEnd::see(const KeyframeMessage& message) {
   if (message.candidate.endNs() < state_.stamp_ns) state_.watch.forgetStamps();
   state_.stamp_ns = message.candidate.endNs();
+  // The front end goes on counting where a saved state ended.
   if (state_.keyframes == 0) state_.earlier_keyframes = message.keyframes - 1;
   state_.keyframes = message.keyframes;
 }

@@ -8,10 +8,9 @@ namespace {
 // Keyframes in a row that must say that the lens is another one.
 constexpr int kContradictions = 2;
 
-// What the new images show best. The startup batch grows no more once the queue leads.
+// What the new images show best, after hand-over. The startup batch grows no more then.
 const Segment& mostSeen(const BackEndState& fresh) {
   const Segment* most = &fresh.startup.segment();
-  if (isStarting(fresh.phase)) return *most;
   for (const Candidate& candidate : fresh.queue.candidates()) {
     if (candidate.segment.keyframes.size() > most->keyframes.size()) most = &candidate.segment;
   }
@@ -50,19 +49,22 @@ BackEndOutput CheckedBackEnd::process(const KeyframeMessage& message, bool froze
 
 void CheckedBackEnd::check(const KeyframeMessage& message, BackEndOutput* output) {
   BackEndOutput fresh = fresh_->process(message);
-  if (!fresh_->state().startup.usable()) return;
+  const BackEndState& state = fresh_->state();
+  if (!state.startup.usable()) return;
   RecheckEvidence evidence;
   evidence.known = main_.state().known.camera;
   evidence.known_error = main_.state().uncertainty();
-  evidence.fresh = fresh_->state().known.camera;
-  evidence.fresh_error = fresh_->state().uncertainty();
+  evidence.fresh = state.known.camera;
+  evidence.fresh_error = state.uncertainty();
+  evidence.field = state.field;
   evidence.threshold_px = options_.convergedRms(main_.state().known.camera.width());
-  evidence.field = fresh_->state().field;
   RecheckOptions recheck_options;
-  if (!isStarting(fresh_->state().phase)) {  // on a queue, which asks for no more of its segments
+  const Segment* segment = &state.startup.segment();
+  if (!isStarting(state.phase)) {  // on a queue, which asks for no more of its segments
     recheck_options.min_keyframes = CandidateOptions().min_keyframes;
+    segment = &mostSeen(state);
   }
-  const Recheck recheck = recheckCalibration(recheck_options, evidence, mostSeen(fresh_->state()));
+  const Recheck recheck = recheckCalibration(recheck_options, evidence, *segment);
   contradictions_ = recheck.verdict == RecheckVerdict::kDifferent ? contradictions_ + 1 : 0;
   if (recheck.verdict == RecheckVerdict::kSame) {
     confirm(recheck, output);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/base/guarded.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -39,7 +40,7 @@ SelfCalibrator::Impl::Impl(const Options& given_options, Mode given_mode, Callba
   });
   if (mode == Mode::kPipelined) return;
   front_thread = std::thread([this] {
-    while (const auto image = images.pop()) guarded(image->stamp_ns, [&] { processImage(*image); });
+    while (const auto image = images.pop()) guard(image->stamp_ns, [&] { processImage(*image); });
   });
 }
 
@@ -50,27 +51,12 @@ SelfCalibrator::Impl::~Impl() {
   if (back_thread.joinable()) back_thread.join();
 }
 
-// Nothing that goes wrong with one image, nor in a callback, may end the process that hosts the
-// threads.
-void SelfCalibrator::Impl::guarded(std::int64_t stamp_ns,
-                                   const std::function<void()>& work) noexcept {
-  try {
-    work();
-  } catch (const std::exception& error) {
-    reportFailure(stamp_ns, error.what());
-  } catch (...) {
-    reportFailure(stamp_ns, "an exception of unknown type");
-  }
-}
-
-void SelfCalibrator::Impl::reportFailure(std::int64_t stamp_ns, const char* what) noexcept {
-  try {
+void SelfCalibrator::Impl::guard(std::int64_t stamp_ns,
+                                 const std::function<void()>& work) noexcept {
+  guarded(work, [&](const std::string& what) {
     requests.resetTracking();
-    raise({EventType::kInput, stamp_ns, stamp_ns,
-           std::string("an image could not be processed: ") + what});
-  } catch (...) {
-    // Who listens to events failed itself: there is nobody left to tell.
-  }
+    raise({EventType::kInput, stamp_ns, stamp_ns, "an image could not be processed: " + what});
+  });
 }
 
 // An initial calibration holds for its own image size, whatever the first image's.
@@ -257,7 +243,7 @@ void SelfCalibrator::Impl::processFrame(const TrackedFrame& frame, const ImageVi
 void SelfCalibrator::Impl::handOn(KeyframeMessage message) {
   if (mode == Mode::kThreaded) {
     keyframes.push(Work([this, message = std::move(message)]() -> std::optional<Processed> {
-      guarded(message.candidate.endNs(), [&] {
+      guard(message.candidate.endNs(), [&] {
         announce(message);
         deliver(processKeyframe(message, frozen));
       });

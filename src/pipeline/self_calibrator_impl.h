@@ -47,8 +47,8 @@ struct SelfCalibrator::Impl {
   std::optional<Processed> processKeyframe(const KeyframeMessage& message, bool held);
   void deliver(std::optional<Processed> processed);
   void deliverPending();
-  void guarded(std::int64_t stamp_ns, const std::function<void()>& work) noexcept;
-  void reportFailure(std::int64_t stamp_ns, const char* what) noexcept;
+  /// What goes wrong in `work`, on the image of this stamp, is an event, and tracking begins anew.
+  void guard(std::int64_t stamp_ns, const std::function<void()>& work) noexcept;
   bool accept(const TrackedFrame& frame);
   void leaveOut(std::int64_t stamp_ns, const std::string& reason);
   void start(int width, int height, const Requests::Restart& request);

@@ -5,9 +5,10 @@
 
 #include <chrono>
 #include <cstdint>
-#include <exception>
 #include <string>
 #include <utility>
+
+#include "camera_self_calibration/base/guarded.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -114,27 +115,14 @@ Callbacks RigSelfCalibrator::callbacksOf(int camera) {
   return result;
 }
 
-// Nothing that goes wrong in a solution, nor in a callback, may end the process that hosts the
-// thread.
 void RigSelfCalibrator::work() noexcept {
-  try {
-    session_.due() ? solve() : examineMounts();
-  } catch (const std::exception& error) {
-    reportFailure(error.what());
-  } catch (...) {
-    reportFailure("an exception of unknown type");
-  }
-}
-
-void RigSelfCalibrator::reportFailure(const char* what) noexcept {
-  try {
-    const std::int64_t stamp_ns = newest_image_ns_;
-    if (!callbacks_.event) return;
-    callbacks_.event(0, {EventType::kInput, stamp_ns, stamp_ns,
-                         std::string("the cameras could not be solved together: ") + what});
-  } catch (...) {
-    // Who listens to events failed itself: there is nobody left to tell.
-  }
+  guarded([this] { session_.due() ? solve() : examineMounts(); },
+          [this](const std::string& what) {
+            const std::int64_t stamp_ns = newest_image_ns_;
+            if (!callbacks_.event) return;
+            callbacks_.event(0, {EventType::kInput, stamp_ns, stamp_ns,
+                                 "the cameras could not be solved together: " + what});
+          });
 }
 
 // On Linux a thread has a priority of its own.

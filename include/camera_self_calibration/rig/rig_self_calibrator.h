@@ -54,7 +54,6 @@ class RigSelfCalibrator {
   Callbacks callbacksOf(int camera);
   void run();
   void work() noexcept;
-  void reportFailure(const char* what) noexcept;
   RigReport tell(RigReport report);
   RigReport examineMounts();
 
