@@ -147,6 +147,29 @@ TEST(ChangeDetector, ADriftMakesOldSegmentsStale) {
   EXPECT_TRUE(drifting.told);
 }
 
+// Segments that end later than now have the stamps of a clock that was set back since. Taken for
+// the newest, they would say that the lens went back to what it was.
+TEST(ChangeDetector, SegmentsOfAnotherClockDoNotCountInTheAccount) {
+  const Camera other = zoomed(kLens, 1.03);
+  const SegmentQueue queue = queueOf(8, [&](int i) { return i < 4 ? kLens : other; });
+  const ChangeDetector detector(kRate);
+  const auto driftAt = [&](int segment) {
+    return detector.drift(queue, queue.candidates()[segment].segment.endNs());
+  };
+  EXPECT_TRUE(driftAt(7).significant) << "all of one clock";
+  EXPECT_FALSE(driftAt(3).significant);
+}
+
+// The same of those that are remembered beside the queue.
+TEST(ChangeDetector, WhatIsRememberedOfAnotherClockDoesNotCountEither) {
+  const Camera other = zoomed(kLens, 1.03);
+  const SegmentQueue queue = queueOf(4, sameLens);
+  ChangeDetector detector(kRate);
+  for (int i = 4; i < 8; ++i) examine(windowAt(10.0 * i, other), queue, &detector);
+  EXPECT_TRUE(detector.drift(queue, windowAt(70.0, other).endNs()).significant);
+  EXPECT_FALSE(detector.drift(queue, windowAt(30.0, kLens).endNs()).significant);
+}
+
 // However clearly a window or all segments speak of another lens.
 TEST(ChangeDetector, ARateOfZeroRaisesNoAlarm) {
   ChangeDetector off(0.0);

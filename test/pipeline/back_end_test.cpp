@@ -158,6 +158,8 @@ TEST(BackEnd, AnotherLensBeginsAnEpochAndOneThatReturnsIsRecognised) {
   EXPECT_NE(change.report.state, CalibrationState::kConverged);
   ASSERT_TRUE(change.update) << "the front end needs it at once";
   EXPECT_EQ(change.update->onset_ns, change.events.front().onset_stamp_ns);
+  EXPECT_EQ(watched.back_end.state().keyframesOfLens(), 0) << "all seen so far are of the old lens";
+  EXPECT_GT(change.report.keyframes, 0);
   EXPECT_GT(change.update->camera.parameters()(0), 1.05 * lens().parameters()(0));
   for (const Candidate& candidate : watched.back_end.state().queue.candidates()) {
     EXPECT_GE(candidate.segment.beginNs(), change.update->onset_ns) << "of the old lens";
@@ -358,6 +360,22 @@ TEST(BackEnd, CountsOnFromWhereItBegins) {
   EXPECT_FALSE(back_end.process(learnt().later[0]).update);
 }
 
+// What was seen before a restored start says nothing of how long this lens is being learnt.
+TEST(BackEnd, CountsTheKeyframesOfTheLensFromItsOwnFirst) {
+  ASSERT_GE(learnt().later.size(), 2u);
+  BackEnd back_end(optionsFor(lens().model()), guess());
+  KeyframeMessage message = learnt().later[0];
+  message.keyframes = 5000;
+  const BackEndOutput first = back_end.process(message);
+  EXPECT_EQ(back_end.state().keyframesOfLens(), 1);
+  EXPECT_EQ(first.report.keyframes, 5000);
+  EXPECT_EQ(first.report.state, CalibrationState::kWaitingForMotion) << first.report.sentence;
+  message = learnt().later[1];
+  message.keyframes = 5001;
+  back_end.process(message);
+  EXPECT_EQ(back_end.state().keyframesOfLens(), 2);
+}
+
 TEST(CheckedBackEnd, AResetForgetsAllButTheRevision) {
   ASSERT_TRUE(learnt().state);
   Beginning known;
@@ -392,6 +410,31 @@ TEST(CheckedBackEnd, FrozenItLearnsNothing) {
     EXPECT_EQ(output.report.camera.parameters(), first.report.camera.parameters());
     EXPECT_FALSE(output.update);
   }
+}
+
+// Each map is lost before its batch has grown. The queue, which the candidates of several maps
+// fill, takes over all the same, and from then on the batch stays as short as it is.
+TEST(CheckedBackEnd, ABatchThatStaysShortConfirmsTheRestored) {
+  ASSERT_TRUE(learnt().state);
+  TrackRunOptions another = shortRun();
+  another.seed = 11;
+  TrackRun run(lens(), optionsFor(lens().model()), another);
+  run.calibrator().restore(learnt().state);
+  run.seek(600);  // after what was learnt
+  std::size_t in_map = 0, most = 0;
+  run.record.on_keyframe = [&](const KeyframeMessage& message) {
+    in_map = message.candidate.keyframes.size();
+    most = std::max({most, in_map, message.history.keyframes.size()});
+  };
+  for (int i = 0; i < 200 && run.record.count(EventType::kHandover) == 0; ++i) {
+    if (in_map == 7) run.calibrator().resetTracking();
+    run.step();
+  }
+  EXPECT_LT(most, static_cast<std::size_t>(RecheckOptions().min_keyframes));
+  ASSERT_EQ(run.record.count(EventType::kHandover), 1) << run.report().sentence;
+  EXPECT_NE(run.record.events.back().sentence.find("is confirmed"), std::string::npos)
+      << run.record.events.back().sentence;
+  EXPECT_EQ(run.report().sentence.find("being checked"), std::string::npos);
 }
 
 }  // namespace

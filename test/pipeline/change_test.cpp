@@ -6,6 +6,7 @@
 #include "benchmark/changing_tracks.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/base/stamp.h"
+#include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "lens_change/change_samples.h"
 #include "pipeline/track_run.h"
@@ -90,6 +91,44 @@ TEST(Change, LearningGoesOnWhereTheClockIsSetBackBeyondIt) {
     learnt += segment.begin_ns < newest_ns - 12000000000;
   }
   EXPECT_GT(learnt, 0);
+}
+
+// The keyframe that a front end hands on next, after 30 images that begin at 1 s, when it is told
+// of a change of the lens with this onset.
+KeyframeMessage nextAfterChange(double onset_s) {
+  const Camera lens = ordinaryCameras()[1];
+  Options options = optionsFor(lens.model());
+  options.estimate_readout = false;  // which keyframes would wait for
+  FrontEnd front_end(options, lens);
+  FeatureTracks tracks(makeRoom(RoomOptions()), Lens{lens, std::nullopt, 1.0},
+                       syntheticMotion(SyntheticMotionOptions()), FeatureTracksOptions());
+  for (int i = 0; i < 100; ++i) {
+    if (i == 30) {
+      CalibrationUpdate update;
+      update.camera = zoomed(lens, 1.001);
+      update.generation = update.epoch = 1;
+      update.onset_ns = static_cast<std::int64_t>(1e9 * onset_s);
+      front_end.adopt(update);
+    }
+    const TrackedFrame frame = tracks.track(1000000000 + i * 100000000LL);
+    const FrontEndOutput output = front_end.process(frame, [&] { return tracks.detect(); });
+    tracks.drop(output.outliers);
+    if (i >= 30 && output.keyframe) return *output.keyframe;
+  }
+  ADD_FAILURE() << "no keyframe";
+  return {};
+}
+
+// Found just before the clock was set back: the map that it is told to began after the change.
+TEST(Change, AnOnsetThatIsYetToComePutsNoKeyframeBeforeTheChange) {
+  const KeyframeMessage within = nextAfterChange(3.5);
+  ASSERT_TRUE(within.history.earlier_camera);
+  EXPECT_GT(within.history.earlier_keyframes, 0);
+  const KeyframeMessage later = nextAfterChange(25.0);
+  EXPECT_EQ(later.history.keyframes.size(), within.history.keyframes.size());
+  EXPECT_EQ(later.history.earlier_keyframes, 0);
+  EXPECT_GT(later.candidate.keyframes.size(), within.candidate.keyframes.size());
+  EXPECT_EQ(later.candidate.earlier_keyframes, 0);
 }
 
 // While the lens after the first change is still being learnt.
