@@ -76,16 +76,20 @@ double minutesAgo(const QuadraticLikelihood& segment, std::int64_t now_ns) {
   return std::max(kLeastAge, 0.5e-9 / 60.0 * twice);
 }
 
+double logSum(double a, double b) {
+  const double most = std::max(a, b);
+  return most + std::log(std::exp(a - most) + std::exp(b - most));
+}
+
+// Of this logarithm, over the hypotheses that are wanted.
 template <typename Keep>
-double logSum(const std::vector<Hypothesis>& hypotheses, const Keep& keep) {
-  double most = -LensCourse::kNever, sum = 0.0;
+double logSum(const std::vector<Hypothesis>& hypotheses, double Hypothesis::*logarithm,
+              const Keep& keep) {
+  double sum = -LensCourse::kNever;
   for (const Hypothesis& one : hypotheses) {
-    if (keep(*one.course)) most = std::max(most, one.log_factor);
+    if (keep(*one.course)) sum = logSum(sum, one.*logarithm);
   }
-  for (const Hypothesis& one : hypotheses) {
-    if (keep(*one.course)) sum += std::exp(one.log_factor - most);
-  }
-  return sum > 0.0 ? most + std::log(sum) : -LensCourse::kNever;
+  return sum;
 }
 
 class Account {
@@ -259,16 +263,28 @@ LensCourse Account::conclude() const {
   LensCourse result;
   const std::vector<Hypothesis> all = hypotheses();
   const auto of = [](Kind kind) { return [kind](const Course& one) { return one.kind == kind; }; };
-  result.step = logSum(all, of(Kind::kStep));
-  result.drift = logSum(all, of(Kind::kDrift));
-  result.outlier = logSum(all, of(Kind::kOutlier));
+  result.step = logSum(all, &Hypothesis::log_factor, of(Kind::kStep));
+  result.drift = logSum(all, &Hypothesis::log_factor, of(Kind::kDrift));
+  result.outlier = logSum(all, &Hypothesis::log_factor, of(Kind::kOutlier));
   double most = -LensCourse::kNever;
   for (std::size_t k = 1; k < segments_.size(); ++k) {
-    const double here =
-        logSum(all, [k](const Course& one) { return one.kind == Kind::kStep && one.first == k; });
+    const double here = logSum(all, &Hypothesis::log_factor, [k](const Course& one) {
+      return one.kind == Kind::kStep && one.first == k;
+    });
     if (!(here > most)) continue;
     most = here;
     result.onset_ns = segments_[k].begin_ns;
+  }
+  for (std::size_t k = 0; k + 1 < segments_.size(); ++k) {
+    const auto is_it = [k](const Course& one) {
+      return one.kind == Kind::kOutlier && one.first == k;
+    };
+    const auto is_other = [&](const Course& one) { return !is_it(one); };
+    const double odds = logSum(all, &Hypothesis::log_odds, is_it) -
+                        logSum(0.0, logSum(all, &Hypothesis::log_odds, is_other));
+    if (!(odds > result.wrong)) continue;
+    result.wrong = odds;
+    result.wrong_begin_ns = segments_[k].begin_ns;
   }
   for (const Hypothesis& one : all) {
     if (one.course->kind != Kind::kDrift) continue;
@@ -316,10 +332,7 @@ std::vector<QuadraticLikelihood> inOrder(std::vector<QuadraticLikelihood> segmen
 
 }  // namespace
 
-double LensCourse::moved() const {
-  const double most = std::max(step, drift);
-  return most + std::log(0.5 * (std::exp(step - most) + std::exp(drift - most)));
-}
+double LensCourse::moved() const { return logSum(step, drift) + std::log(0.5); }
 
 double LensCourse::pValue() const { return std::exp(-std::max(0.0, moved())); }
 

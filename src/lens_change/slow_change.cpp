@@ -21,7 +21,7 @@ constexpr std::size_t kSegments = 16;
 // Newest segments that replace what a drift made stale: a third tells which of two is right.
 constexpr std::size_t kFollowed = 3;
 // Bayes factor that is strong evidence (Jeffreys, "Theory of probability", 1961): of a step against
-// a drift.
+// a drift, of a segment that is wrong against all else.
 constexpr double kStrong = 10.0;
 
 bool overlap(const Candidate& candidate, const QuadraticLikelihood& likelihood) {
@@ -111,6 +111,17 @@ LensDrift ChangeDetector::drift(const SegmentQueue& queue, std::int64_t now_ns) 
   drift.offset = course.now - compromise(ownLikelihoods(queue.candidates()), nothingKnown(camera));
   drift.covariance = course.covariance;
   return drift;
+}
+
+std::optional<std::int64_t> ChangeDetector::wrongSegment(const SegmentQueue& queue,
+                                                         std::int64_t now_ns) const {
+  const LensCourse course =
+      courseOfLens(segmentsOf(queue, now_ns), queue.solution().camera, now_ns);
+  if (!(course.wrong > std::log(kStrong))) return std::nullopt;
+  for (const Candidate& candidate : queue.candidates()) {
+    if (candidate.segment.beginNs() == course.wrong_begin_ns) return candidate.segment.sequence;
+  }
+  return std::nullopt;
 }
 
 // With what the newest window says of the lens after the change.

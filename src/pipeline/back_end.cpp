@@ -26,6 +26,7 @@ BackEndOutput BackEnd::process(const KeyframeMessage& seen) {
         state_.shutter.freed(seen, state_.known.camera, isInformed(state_.phase));
     if (isStarting(state_.phase)) runStartup(message.history);
     state_.outcome = considerCandidate(message);
+    considerWrongSegment();
     considerDrift();
     recallSetting();
     considerLineDelay();
@@ -145,6 +146,19 @@ CandidateOutcome BackEnd::followDrift(const ChangeVerdict& verdict) {
   adoptChange(state_.queue.exchange(verdict.stale, verdict.recent, queueStart()));
   return {false, verdict.reason + ": " + std::to_string(verdict.stale.size()) +
                      " segments from earlier were removed"};
+}
+
+// A segment of things that move scores as well as any, and would stay for ever.
+void BackEnd::considerWrongSegment() {
+  if (!state_.queue.solution().usable || !(state_.outcome.accepted || state_.watch.hasNews())) {
+    return;
+  }
+  const std::optional<std::int64_t> wrong =
+      state_.watch.wrongSegment(state_.queue, state_.stamp_ns);
+  if (!wrong) return;
+  state_.queue.exchange({*wrong}, {}, queueStart());
+  adoptChange(0);
+  state_.outcome.reason += "; a segment that all others contradict was removed";
 }
 
 // A drifting lens is another one at each keyframe, whether the queue changes or not.

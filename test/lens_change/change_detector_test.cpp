@@ -170,6 +170,18 @@ TEST(ChangeDetector, WhatIsRememberedOfAnotherClockDoesNotCountEither) {
   EXPECT_FALSE(detector.drift(queue, windowAt(30.0, kLens).endNs()).significant);
 }
 
+TEST(ChangeDetector, ASegmentThatAllOthersContradictIsWrong) {
+  const ChangeDetector detector(kRate);
+  const auto wrongIn = [&](const SegmentQueue& queue) {
+    return detector.wrongSegment(queue, queue.candidates().back().segment.endNs());
+  };
+  const SegmentQueue torn = queueOf(4, [](int i) { return i == 1 ? zoomed(kLens, 1.05) : kLens; });
+  EXPECT_EQ(wrongIn(torn), torn.candidates()[1].segment.sequence);
+  EXPECT_FALSE(wrongIn(queueOf(4, sameLens)));
+  // Of two nobody knows which.
+  EXPECT_FALSE(wrongIn(queueOf(2, [](int i) { return i == 1 ? zoomed(kLens, 1.05) : kLens; })));
+}
+
 // However clearly a window or all segments speak of another lens.
 TEST(ChangeDetector, ARateOfZeroRaisesNoAlarm) {
   ChangeDetector off(0.0);

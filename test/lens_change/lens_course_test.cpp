@@ -153,6 +153,35 @@ TEST(LensCourse, NoSingleSegmentDecides) {
   }
 }
 
+// Whichever of four segments shows something that moves, but for the newest, which may be the first
+// after a step. No other is taken for it.
+TEST(LensCourse, AWrongSegmentIsNamed) {
+  for (const int wrong : {0, 1, 2, 3}) {
+    int named = 0;
+    for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+      auto segments =
+          segmentsWith([&](double t) { return int(t / 5.0) == wrong ? 0.05 : 0.0; }, seed);
+      segments.resize(4);
+      const LensCourse course = courseOfLens(segments, lens(), segments.back().end_ns);
+      if (!(course.wrong > std::log(kStrong))) continue;
+      EXPECT_EQ(course.wrong_begin_ns, segments[wrong].begin_ns) << wrong;
+      ++named;
+    }
+    EXPECT_EQ(named, wrong < 3 ? 50 : 0) << wrong;
+  }
+}
+
+TEST(LensCourse, NoSegmentOfAConstantOrSteppingLensIsWrong) {
+  for (const double after : {0.0, 0.03}) {
+    int named = 0;
+    for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+      const auto step = [&](double t) { return t > 30.0 ? after : 0.0; };
+      named += courseWith(step, seed).wrong > std::log(kStrong);
+    }
+    EXPECT_LE(named, 2) << after;
+  }
+}
+
 TEST(LensCourse, ManyJumpsAreNoDrift) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(mixSeed(seed, 1));

@@ -71,6 +71,10 @@ class ChangeDetector {
   /// queue.solution() must be usable. `now_ns`: stamp of the newest keyframe.
   LensDrift drift(const SegmentQueue& queue, std::int64_t now_ns) const;
 
+  /// The sequence of a segment of the queue that is wrong, as all others and the newest beside the
+  /// queue show it: one of things that move, or in a wrong minimum. `now_ns` as in drift().
+  std::optional<std::int64_t> wrongSegment(const SegmentQueue& queue, std::int64_t now_ns) const;
+
   /// The newest keyframe's segment is one of those beside the queue since then.
   bool hasNews() const;
 

@@ -31,6 +31,11 @@ struct LensCourse {
   double drift = -kNever;
   double outlier = -kNever;
   std::int64_t onset_ns = 0;  ///< Beginning of the first segment after the likeliest step.
+  /// The likeliest of the segments that may be wrong: logarithm of its odds against all else, with
+  /// what is known beforehand of how often lenses move and segments are wrong. The newest is none
+  /// of them: it may be the first after a step.
+  double wrong = -kNever;
+  std::int64_t wrong_begin_ns = 0;  ///< Its beginning.
   /// Standard deviation of the focal length's relative change over one minute, if it drifts.
   double rate = 0.0;
   Intrinsics now;               ///< n_c, averaged over all kinds and a lens that stayed.

@@ -57,6 +57,7 @@ class BackEnd {
   std::optional<CandidateOutcome> canSkipSolve(const KeyframeMessage& message);
   CandidateOutcome offer(const Candidate& candidate);
   CandidateOutcome followDrift(const ChangeVerdict& verdict);
+  void considerWrongSegment();
   void considerDrift();
   void recallSetting();
   void considerLineDelay();

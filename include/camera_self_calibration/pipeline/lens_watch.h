@@ -59,7 +59,11 @@ class LensWatch {
   LensDrift drift(const SegmentQueue& queue, std::int64_t now_ns) const {
     return detector_.drift(queue, now_ns);
   }
-  /// The newest keyframe can have changed drift(), though it did not change the queue.
+  /// A segment of the queue that all others contradict (ChangeDetector::wrongSegment).
+  std::optional<std::int64_t> wrongSegment(const SegmentQueue& queue, std::int64_t now_ns) const {
+    return detector_.wrongSegment(queue, now_ns);
+  }
+  /// The newest keyframe can have changed both, though it did not change the queue.
   bool hasNews() const { return detector_.hasNews(); }
 
  private:
