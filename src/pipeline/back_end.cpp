@@ -148,11 +148,12 @@ CandidateOutcome BackEnd::followDrift(const ChangeVerdict& verdict) {
                      " segments from earlier were removed"};
 }
 
-// A segment of things that move scores as well as any, and would stay for ever.
+// A segment of things that move scores as well as any, and would stay for ever. Two are left, which
+// check each other.
 void BackEnd::considerWrongSegment() {
-  if (!state_.queue.solution().usable || !(state_.outcome.accepted || state_.watch.hasNews())) {
-    return;
-  }
+  const bool spare = state_.queue.candidates().size() > 2;
+  const bool news = state_.outcome.accepted || state_.watch.hasNews();
+  if (!spare || !news || !state_.queue.solution().usable) return;
   const std::optional<std::int64_t> wrong =
       state_.watch.wrongSegment(state_.queue, state_.stamp_ns);
   if (!wrong) return;
