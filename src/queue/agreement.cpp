@@ -162,7 +162,7 @@ double pValue(double statistic, const Reference& reference) {
   const int count = reference.camera.estimatedCount();
   const Scatter& scatter = reference.scatter;
   // The statistic is in sigmas times the Birge ratio.
-  return scatter.cautiousVariance().exceedance(squared(scatter.birgeRatio()) * statistic, count);
+  return scatter.variance().exceedance(squared(scatter.birgeRatio()) * statistic, count);
 }
 
 }  // namespace camera_self_calibration

@@ -24,13 +24,9 @@ int Scatter::birgeFreedom() const {
 }
 
 ScatterVariance Scatter::variance() const {
-  return birgeFreedom() > 0 ? cautiousVariance() : ScatterVariance{birgeRatio() * birgeRatio(), 0};
-}
-
-ScatterVariance Scatter::cautiousVariance() const {
-  if (freedom == 0) return {};
+  if (birgeFreedom() == 0) return {birgeRatio() * birgeRatio(), 0};
   const Scatter more = moderated();
-  return {more.birgeRatio() * more.birgeRatio(), more.freedom};
+  return {more.chi_square / more.freedom, more.freedom};
 }
 
 double ScatterVariance::exceedance(double chi_square, double degrees_of_freedom) const {

@@ -38,10 +38,6 @@ struct Scatter {
 
   /// For tests against the sigmas.
   ScatterVariance variance() const;
-
-  /// The same where a false alarm costs more than a late one: that a few segments scatter by no
-  /// more than their sigmas does not prove that the next one will not.
-  ScatterVariance cautiousVariance() const;
 };
 
 }  // namespace camera_self_calibration
