@@ -157,8 +157,7 @@ void BackEnd::considerWrongSegment() {
   const std::optional<std::int64_t> wrong =
       state_.watch.wrongSegment(state_.queue, state_.stamp_ns);
   if (!wrong) return;
-  state_.queue.exchange({*wrong}, {}, queueStart());
-  adoptChange(0);
+  adoptChange(state_.queue.exchange({*wrong}, {}, queueStart()));
   state_.outcome.reason += "; a segment that all others contradict was removed";
 }
 
