@@ -71,6 +71,7 @@ void ChangeDetector::measureInterval(std::int64_t stamp_ns) {
 
 ChangeVerdict ChangeDetector::examine(const Segment& window, const Candidate& candidate,
                                       std::int64_t suspected_onset_ns, const SegmentQueue& queue) {
+  suspected_ = suspected_onset_ns > 0 || (suspected_ && in_doubt_);
   ChangeVerdict verdict = examineKeyframe(window, candidate, suspected_onset_ns, queue);
   if (verdict.kind == Kind::kChange && isRatherDrift(verdict, queue)) verdict.kind = Kind::kDoubt;
   if (verdict.kind != Kind::kChange && hasNews()) {
@@ -132,8 +133,11 @@ ChangeVerdict ChangeDetector::examineKeyframe(const Segment& window, const Candi
   measureInterval(window.endNs());
   usual_residual_scale_ = usualResidualScale(queue);
   ChangeVerdict verdict;
-  const auto reference = referenceWithout(window.beginNs(), window.endNs(), queue);
+  auto reference = referenceWithout(window.beginNs(), window.endNs(), queue);
   if (!reference || window.keyframes.empty()) return verdict;
+  // Where nothing was seen to happen, all that speaks for a change is that segments differ. On real
+  // video they do so while nothing changes too, by how much few of them hardly show.
+  reference->cautious = !suspected_;
   const int earlier = keyframesBefore(window, suspected_onset_ns);
   if (suspected_onset_ns > 0 && earlier > 0) return examineSuspicion(window, earlier, *reference);
   return examineCandidate(window, candidate, *reference);

@@ -161,8 +161,10 @@ Camera withEstimated(const Camera& camera, const Intrinsics& values) {
 double pValue(double statistic, const Reference& reference) {
   const int count = reference.camera.estimatedCount();
   const Scatter& scatter = reference.scatter;
+  const ScatterVariance variance =
+      reference.cautious ? scatter.cautiousVariance() : scatter.variance();
   // The statistic is in sigmas times the Birge ratio.
-  return scatter.variance().exceedance(squared(scatter.birgeRatio()) * statistic, count);
+  return variance.exceedance(squared(scatter.birgeRatio()) * statistic, count);
 }
 
 }  // namespace camera_self_calibration

@@ -24,9 +24,13 @@ int Scatter::birgeFreedom() const {
 }
 
 ScatterVariance Scatter::variance() const {
-  if (birgeFreedom() == 0) return {birgeRatio() * birgeRatio(), 0};
+  return birgeFreedom() > 0 ? cautiousVariance() : ScatterVariance{birgeRatio() * birgeRatio(), 0};
+}
+
+ScatterVariance Scatter::cautiousVariance() const {
+  if (freedom == 0) return {};
   const Scatter more = moderated();
-  return {more.chi_square / more.freedom, more.freedom};
+  return {more.birgeRatio() * more.birgeRatio(), more.freedom};
 }
 
 double ScatterVariance::exceedance(double chi_square, double degrees_of_freedom) const {

@@ -122,6 +122,24 @@ TEST(ChangeDetector, ASuspicionWithoutACauseEnds) {
   EXPECT_GT(verdict.p_value, 0.1);
 }
 
+// That it differs from two segments that agree proves no change where none was seen to happen;
+// where one was, it does, as long as the doubt lasts.
+TEST(ChangeDetector, ADifferenceFromFewSegmentsNeedsASuspicion) {
+  const SegmentQueue queue = queueOf(2, sameLens);
+  const Segment window = windowAt(40.0, zoomed(kLens, 1.05));
+  ChangeDetector detector(kRate);
+  const ChangeVerdict differs = examine(window, queue, &detector);
+  EXPECT_EQ(differs.kind, Kind::kDoubt);
+  EXPECT_GT(differs.p_value, detector.limit());
+
+  ChangeDetector warned(kRate);
+  const auto suspected = warned.examine(window, solved(window), window.beginNs(), queue);
+  EXPECT_LT(suspected.p_value, warned.limit());
+  const ChangeVerdict again = examine(handedOver(window, 0.5), queue, &warned);
+  EXPECT_EQ(again.kind, Kind::kChange) << again.reason;
+  EXPECT_LT(again.p_value, warned.limit());
+}
+
 // The queue took segments of both lenses in, so that no window contradicts it.
 TEST(ChangeDetector, AllSegmentsTogetherFindAStep) {
   const Camera after = zoomed(kLens, 1.03);

@@ -119,6 +119,21 @@ TEST(Agreement, UndeterminedDirectionsDoNotCount) {
   EXPECT_NEAR(compromise({likelihood}, reference)(0), lens.parameters()(0) + 0.5, 1e-9);
 }
 
+// What scatters by nothing but its sigmas proves them right, the sooner the more of it there is.
+TEST(Agreement, ToACautiousReferenceFewSegmentsThatAgreeProveLittle) {
+  const Camera lens = ordinaryCameras()[0];
+  const auto p = [&](int freedom, bool cautious) {
+    const Scatter as_stated{static_cast<double>(freedom), freedom};
+    return pValue(60.0, {lens, IntrinsicsMatrix::Identity(4, 4), as_stated, cautious});
+  };
+  const double known = chiSquareExceedance(60.0, 4);
+  EXPECT_EQ(p(4, false), known);
+  EXPECT_GT(p(4, true), 1e-4);
+  EXPECT_LT(p(36, true), p(4, true));
+  EXPECT_NEAR(std::log(p(100000, true)), std::log(known), 0.1);
+  EXPECT_EQ(p(0, true), known) << "what was not estimated";
+}
+
 // Two segments that scatter by more than chance tell their variance but roughly.
 TEST(Agreement, ScatterOfTwoSegmentsHidesNoLargeChange) {
   const Camera lens = ordinaryCameras()[0];

@@ -83,6 +83,7 @@ class ChangeDetector {
     recent_.clear();
     findings_ = 0;
     in_doubt_ = false;
+    suspected_ = false;
   }
 
   /// p-value below which the newest keyframe's tests raise an alarm.
@@ -130,6 +131,7 @@ class ChangeDetector {
   std::deque<RememberedSegment> recent_;  // disjoint, in the order of time
   double course_limit_ = 0.0;             // p-value for all segments together, at the newest one
   bool in_doubt_ = false;                 // what the newest keyframe said
+  bool suspected_ = false;                // in this doubt, a change was seen to happen
   int findings_ = 0;                      // keyframes in a row that found the lens `found_`
   Camera found_;
 };

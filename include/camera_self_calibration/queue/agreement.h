@@ -45,6 +45,8 @@ struct Reference {
   /// How far segments are known to disagree: the sigmas of what is compared are multiplied by its
   /// birgeRatio().
   Scatter scatter;
+  /// p-values allow for how roughly few segments show that, also where they agree by chance.
+  bool cautious = false;
 };
 
 /// The queue's estimate without the segments that share a moment with [begin, end], by subtracting
@@ -74,8 +76,8 @@ Intrinsics compromise(const std::vector<QuadraticLikelihood>& likelihoods,
 Camera withEstimated(const Camera& camera, const Intrinsics& values);
 
 /// p-value of a statistic with n_c degrees of freedom: chi-square; where the reference's Birge
-/// ratio is more than chance, F with the variance moderated towards the sigmas as they are (as if
-/// five more degrees of freedom had scattered by just those).
+/// ratio is more than chance, or the reference is cautious, F with the variance moderated towards
+/// the sigmas as they are (as if five more degrees of freedom had scattered by just those).
 double pValue(double statistic, const Reference& reference);
 
 }  // namespace camera_self_calibration

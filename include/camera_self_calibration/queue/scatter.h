@@ -38,6 +38,10 @@ struct Scatter {
 
   /// For tests against the sigmas.
   ScatterVariance variance() const;
+
+  /// The same where that a few segments scatter by no more than their sigmas is not to prove that
+  /// the next one will not.
+  ScatterVariance cautiousVariance() const;
 };
 
 }  // namespace camera_self_calibration
