@@ -176,7 +176,7 @@ void RigCalibrationNode::onReport(const RigReport& report) {
     publishPlaces(report);
     published_revision_ = report.revision;
   }
-  tellState(report);
+  if (const auto event = convergence_.next(report)) raise(*event, "the rig");
   if (tried_revision_ != report.revision) keep(report);
 }
 
@@ -192,20 +192,6 @@ void RigCalibrationNode::keep(const RigReport& report) {
 void RigCalibrationNode::saveAgain() {
   const std::lock_guard<std::mutex> one_at_a_time(report_mutex_);
   keep(calibrator_->report());
-}
-
-// A lens or a mount that changed, a new epoch, has an event of its own. Reports of several threads
-// may overtake each other.
-void RigCalibrationNode::tellState(const RigReport& report) {
-  if (report.revision < published_revision_) return;
-  const bool before = converged_ && report.epoch == converged_epoch_;
-  converged_ = report.state == CalibrationState::kConverged;
-  converged_epoch_ = report.epoch;
-  if (converged_ == before || report.estimate.poses.empty()) return;
-  const std::int64_t stamp_ns = report.estimate.poses.back().stamp_ns;
-  raise({converged_ ? EventType::kConverged : EventType::kNoLongerConverged, stamp_ns, stamp_ns,
-         report.sentence},
-        "the rig");
 }
 
 std::string RigCalibrationNode::frameOf(int camera) const {

@@ -14,6 +14,7 @@
 #include <string>
 #include <vector>
 
+#include "camera_self_calibration/rig/rig_convergence.h"
 #include "camera_self_calibration/rig/rig_self_calibrator.h"
 #include "camera_self_calibration/rig_node/rig_camera_info.h"
 #include "camera_self_calibration/rig_node/rig_node_options.h"
@@ -62,7 +63,6 @@ class RigCalibrationNode {
   void onReport(const RigReport& report);
   void keep(const RigReport& report);
   void saveAgain();
-  void tellState(const RigReport& report);
   void publishPlaces(const RigReport& report);
   std::string frameOf(int camera) const;
   void raise(const Event& event, const std::string& who);
@@ -93,8 +93,7 @@ class RigCalibrationNode {
   std::uint64_t published_revision_ = 0;
   std::uint64_t tried_revision_ = 0;  // to save
   std::uint64_t saved_revision_ = 0;
-  bool converged_ = false;
-  std::uint64_t converged_epoch_ = 0;
+  RigConvergence convergence_;
   bool closing_ = false;  // nothing is to be told any more
 
   std::atomic<bool> notes_told_{false};  // those of the stores
