@@ -86,8 +86,8 @@ void LinearSegment::clearSums() {
   landmark_hessian_.assign(structure_.landmarks.size(), Eigen::Matrix3d::Zero());
   held_landmark_.setZero();
   translation_views_.assign(for_marginal_ ? structure_.observations.size() : 0, Matrix32d::Zero());
-  const auto width = static_cast<std::size_t>(kLocal + tail_);
-  pair_products_.assign(structure_.pairs.size() * width * width, 0.0);
+  const auto values = static_cast<std::size_t>((kLocal + tail_) * kLocal);
+  pair_products_.assign(structure_.pairs.size() * values, 0.0);
   normal_.setZero(poseColumns() + tail_, poseColumns() + tail_);
 }
 
@@ -118,8 +118,9 @@ void LinearSegment::prepareFactors(const Segment& segment, const Camera& camera)
 
 template <int kTail>
 void LinearSegment::addObservations(const SegmentBlock& block, const Camera& camera, double huber) {
-  using Product = Eigen::Matrix<double, kLocal + kTail, kLocal + kTail>;
+  using Product = Eigen::Matrix<double, kLocal + kTail, kLocal>;
   const Segment& segment = *block.segment;
+  Eigen::Matrix<double, kTail, kTail> tail_product = Eigen::Matrix<double, kTail, kTail>::Zero();
   cost_ = 0.0;
   Row<kTail> row;
   for (std::size_t o = 0; o < segment.observations.size(); ++o) {
@@ -133,14 +134,18 @@ void LinearSegment::addObservations(const SegmentBlock& block, const Camera& cam
     }
     if (for_marginal_) translation_views_[o] = row.x.template topRows<3>();
     const auto offset = static_cast<std::size_t>(place.pair) * Product::SizeAtCompileTime;
+    const auto tail = row.x.template bottomRows<kTail>();
     // Eigen would call its kernel for large matrices.
-    Eigen::Map<Product>(pair_products_.data() + offset) += row.x.lazyProduct(row.x.transpose());
+    Eigen::Map<Product>(pair_products_.data() + offset) +=
+        row.x.lazyProduct(row.x.template topRows<kLocal>().transpose());
+    tail_product += tail.lazyProduct(tail.transpose());
     if (landmark.anchored) {
       addToLandmark<kTail, 1>(place, observation.landmark, row);
     } else {
       addToLandmark<kTail, 3>(place, observation.landmark, row);
     }
   }
+  normal_.template bottomRightCorner<kTail, kTail>() = tail_product;
   for (std::size_t p = 0; p < structure_.pairs.size(); ++p) {
     expandPair<kTail>(block.fixed_keyframes, p);
   }
@@ -259,17 +264,15 @@ void LinearSegment::addCoupling(const SegmentStructure::ObservationPlace& place,
 
 template <int kTail>
 void LinearSegment::expandPair(int fixed_keyframes, std::size_t p) {
-  using Product = Eigen::Matrix<double, kLocal + kTail, kLocal + kTail>;
+  using Product = Eigen::Matrix<double, kLocal + kTail, kLocal>;
   const Eigen::Map<const Product> product(pair_products_.data() + p * Product::SizeAtCompileTime);
   const int last = poseColumns();
-  normal_.template block<kTail, kTail>(last, last) +=
-      product.template bottomRightCorner<kTail, kTail>();
   const PairFactors& factors = pair_factors_[p];
   if (factors.same) return;
   const int r = 6 * (structure_.pairs[p].reference - fixed_keyframes);
   const int i = 6 * (structure_.pairs[p].observing - fixed_keyframes);
-  const Matrix66d local = product.template topLeftCorner<6, 6>();
-  const Eigen::Matrix<double, kTail, 6> tail = product.template bottomLeftCorner<kTail, 6>();
+  const Matrix66d local = product.template topRows<6>();
+  const Eigen::Matrix<double, kTail, 6> tail = product.template bottomRows<kTail>();
   const Matrix66d reference = localFromReference(factors.transfer.rotation, factors.lever);
   if (r >= 0) {
     const Matrix66d half = local.lazyProduct(reference);

@@ -9,7 +9,7 @@
 
 #include "camera_self_calibration/base/parallel.h"
 #include "camera_self_calibration/estimation/gauge.h"
-#include "camera_self_calibration/estimation/linear_segment.h"
+#include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/map/segment_edit.h"
 
@@ -32,7 +32,8 @@ std::vector<int> commonToNeighbours(const Segment& segment) {
 double informationWithout(int k, const Segment& segment, const Camera& camera,
                           const IntrinsicsPrior& prior) {
   Segment rest = withoutKeyframe(segment, k);
-  LinearSegment linear;
+  LinearSegments only(1);
+  LinearSegment& linear = only[0];
   linear.linearize(freeBlock(&rest, camera), camera, camera.estimatedCount(), kHuberThreshold);
   linear.eliminate(0.0);
   IntrinsicsMatrix information = linear.reducedHessian();

@@ -162,8 +162,8 @@ class LinearSegment {
   std::vector<PairFactors> pair_factors_;
   std::vector<LandmarkFactors> landmark_factors_;
 
-  // Per pair, (6 + tail)^2: J^T J for columns (translation between the two, rotation of the
-  // observing one, tail), expanded into the poses once.
+  // Per pair, (6 + tail) x 6: of J^T J for columns (translation between the two, rotation of the
+  // observing one, tail) those of the first two, expanded into the poses once.
   std::vector<double> pair_products_;
   // (poses, tail)^2, lower triangle: H with the right-hand side as the last column.
   Eigen::MatrixXd normal_;
