@@ -29,7 +29,23 @@ void BackEnd::considerLensFit() {
   if (!comparison) return;
   stateUncertainty();
   changed_ = true;
-  if (state_.chooses_model) chooseModel(*comparison);
+  if (state_.chooses_model) {
+    chooseModel(*comparison);
+  } else {
+    gainK3(*comparison);
+  }
+}
+
+// A given radtan gains k3 from the queue's segments, too, where startup's batch did not demand it.
+void BackEnd::gainK3(const LensComparison& comparison) {
+  for (const LensTrial& richer : comparison.richer) {
+    if (richer.camera.model() != comparison.present.camera.model()) continue;
+    const LensKnowledge known =
+        knowledgeOf(comparison.observations, richer, options_.solver_threads);
+    const double p_value = leadByChance(richer, comparison.present, known);
+    if (richer.usable && p_value <= LensFitOptions().significance) switchModel(richer);
+    return;
+  }
 }
 
 void BackEnd::chooseModel(const LensComparison& comparison) {

@@ -91,6 +91,27 @@ TEST(Convergence, NotUnderAModelThatMissesTheLens) {
   EXPECT_LT(pixelDistance(report.camera, truth).rms, 3.0 * report.uncertainty.rms);
 }
 
+// Too little of it for the startup batch to demand.
+TEST(Convergence, RadtanGainsK3FromTheQueue) {
+  const Camera truth =
+      camera640(CameraModel::kRadtan, {420, 422, 318, 243, -0.25, 0.07, 1e-3, -5e-4, -0.02});
+  for (const std::uint64_t seed : {1, 2}) {
+    TrackRunOptions options;
+    options.seed = seed;
+    TrackRun run(truth, optionsFor(truth.model()), options);
+    for (int i = 0; i < 300 && !run.report().handed_over; ++i) {
+      EXPECT_LE(run.report().camera.estimatedCount(), 8);
+      run.step();
+    }
+    run.run(200);
+    const CalibrationReport report = run.report();
+    EXPECT_EQ(report.camera.estimatedCount(), 9);
+    EXPECT_EQ(report.state, CalibrationState::kConverged) << report.sentence;
+    EXPECT_LT(pixelDistance(truth, report.camera).rms, 3.0 * report.uncertainty.rms);
+    EXPECT_LT(pixelDistance(truth, report.camera).rms, 0.5);
+  }
+}
+
 // Before hand-over, which it never reaches: no motion would help, another model would. A batch in a
 // wrong minimum cannot say so, as a pinhole often is under so wide a lens.
 TEST(Convergence, SaysWhileStartingThatTheModelIsWrong) {

@@ -72,6 +72,7 @@ class BackEnd {
   void considerStartupModel();
   void considerLensFit();
   void chooseModel(const LensComparison& comparison);
+  void gainK3(const LensComparison& comparison);
   bool switchModel(const LensTrial& lens);
 
   // In beginnings.cpp.
