@@ -23,36 +23,46 @@ void BackEnd::considerLensFit() {
   if (!queueLeads(state_.phase)) return;
   const bool verdict_due = state_.health.state != CalibrationState::kConverged &&
                            state_.uncertainty().rms <= convergedRms();
-  const auto comparison = state_.lens_fit.consider(
+  const auto comparison = compareLens(verdict_due);
+  if (!comparison) return;
+  const bool other = state_.chooses_model ? chooseModel(*comparison) : gainK3(*comparison);
+  if (other) compareLens(true);
+}
+
+std::optional<LensComparison> BackEnd::compareLens(bool verdict_due) {
+  auto comparison = state_.lens_fit.consider(
       state_.keyframesOfLens(), verdict_due, state_.queue.candidates(), state_.queue.solution(),
       {state_.field, state_.known.observed_area}, options_.solver_threads);
-  if (!comparison) return;
-  stateUncertainty();
-  changed_ = true;
-  if (state_.chooses_model) {
-    chooseModel(*comparison);
-  } else {
-    gainK3(*comparison);
+  if (comparison) {
+    stateUncertainty();
+    changed_ = true;
   }
+  return comparison;
 }
 
-// A given radtan gains k3 from the queue's segments, too, where startup's batch did not demand it.
-void BackEnd::gainK3(const LensComparison& comparison) {
-  for (const LensTrial& richer : comparison.richer) {
-    if (richer.camera.model() != comparison.present.camera.model()) continue;
-    const LensKnowledge known =
-        knowledgeOf(comparison.observations, richer, options_.solver_threads);
-    const double p_value = leadByChance(richer, comparison.present, known);
-    if (richer.usable && p_value <= LensFitOptions().significance) switchModel(richer);
-    return;
-  }
-}
-
-void BackEnd::chooseModel(const LensComparison& comparison) {
+// Whether the lens in use is another one now.
+bool BackEnd::chooseModel(const LensComparison& comparison) {
   const ModelChoice before = state_.model_choice;
   const std::optional<LensTrial> other =
       state_.model_choice.choose(comparison, state_.field, options_.solver_threads);
-  if (other && !switchModel(*other)) state_.model_choice = before;
+  if (!other) return false;
+  if (switchModel(*other)) return true;
+  state_.model_choice = before;
+  return false;
+}
+
+// A given radtan gains k3 after hand-over, too, where startup's batch did not demand it. Whether it
+// did.
+bool BackEnd::gainK3(const LensComparison& comparison) {
+  if (isStarting(state_.phase) || comparison.observations.segments.size() < 2) return false;
+  for (const LensTrial& richer : comparison.richer) {
+    if (!richer.usable || richer.camera.model() != comparison.present.camera.model()) continue;
+    const LensKnowledge known =
+        knowledgeOf(comparison.observations, richer, options_.solver_threads);
+    const double p_value = leadByChance(richer, comparison.present, known);
+    return p_value <= LensFitOptions().significance && switchModel(richer);
+  }
+  return false;
 }
 
 // The queue's segments stay, scored anew. After hand-over, if their joint estimate fails, all stays

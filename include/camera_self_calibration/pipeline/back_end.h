@@ -71,8 +71,9 @@ class BackEnd {
   // In lens_model.cpp.
   void considerStartupModel();
   void considerLensFit();
-  void chooseModel(const LensComparison& comparison);
-  void gainK3(const LensComparison& comparison);
+  std::optional<LensComparison> compareLens(bool verdict_due);
+  bool chooseModel(const LensComparison& comparison);
+  bool gainK3(const LensComparison& comparison);
   bool switchModel(const LensTrial& lens);
 
   // In beginnings.cpp.
