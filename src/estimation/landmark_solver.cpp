@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/estimation/transfer.h"
+#include "problem_state.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -90,10 +91,7 @@ void LandmarkSolver::solve(std::size_t begin, std::size_t end) {
     if (!std::isfinite(sigmas) || sigmas < options_.precision) return;
     Landmark trial = landmark;
     trial.inverse_depth += step(0);
-    if (!trial.anchored) {
-      trial.bearing =
-          (landmark.bearing + tangentBasis(landmark.bearing) * step.tail<2>()).normalized();
-    }
+    if (!trial.anchored) turnBearing(step.tail<2>(), &trial);
     const Equations there = equations(trial);
     if (there.cost < present.cost) {
       landmark = trial;

@@ -35,10 +35,13 @@ void applyStep(const SegmentBlock& block, const Eigen::Ref<const Eigen::VectorXd
     Landmark& landmark = segment.landmarks[l];
     if (static_cast<int>(l) != block.fixed_landmark) landmark.inverse_depth += own(row++);
     if (landmark.anchored) continue;
-    landmark.bearing =
-        (landmark.bearing + tangentBasis(landmark.bearing) * own.segment<2>(row)).normalized();
+    turnBearing(own.segment<2>(row), &landmark);
     row += 2;
   }
+}
+
+void turnBearing(const Eigen::Vector2d& step, Landmark* landmark) {
+  landmark->bearing = (landmark->bearing + tangentBasis(landmark->bearing) * step).normalized();
 }
 
 bool applyStep(const Intrinsics& step, Camera* camera) {

@@ -22,6 +22,9 @@ class ProblemState {
 /// Changes a segment's free variables (as LinearSegment orders them).
 void applyStep(const SegmentBlock& block, const Eigen::Ref<const Eigen::VectorXd>& own);
 
+/// Turns a landmark's bearing by a step in its tangentBasis().
+void turnBearing(const Eigen::Vector2d& step, Landmark* landmark);
+
 /// Changes the intrinsics; false if the camera is then not valid.
 bool applyStep(const Intrinsics& step, Camera* camera);
 

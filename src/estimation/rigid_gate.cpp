@@ -7,8 +7,7 @@
 namespace camera_self_calibration {
 namespace {
 
-// Where residuals shrank by more, depths that rest at the larger scale are too rough at the new
-// one.
+// Where residuals shrank by more, depths that rest at their old scale are too rough at the new one.
 constexpr double kSettled = 0.5;
 
 double residualScale(SegmentBlock block, const Camera& camera) {

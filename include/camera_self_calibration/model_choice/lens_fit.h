@@ -59,10 +59,10 @@ struct KnownCamera {
   IntrinsicsMatrix covariance;  ///< n_c x n_c; empty where nothing is known.
 };
 
-/// Holds the model in use against richer lenses (compareWithRicher), which are published nowhere,
-/// on the queue's segments; and where none of them refutes it, against a lens that no model
-/// describes (freeDisplacement). Compares at geometric intervals of keyframes (at most 100), and
-/// only when the queue has changed, so that the effort per keyframe stays bounded.
+/// Holds the model in use against richer lenses (compareWithRicher) on the queue's segments; and
+/// where none of them refutes it, against a lens that no model describes (freeDisplacement).
+/// Compares at geometric intervals of keyframes (at most 100), and only when the queue has changed,
+/// so that the effort per keyframe stays bounded.
 class LensFit {
  public:
   explicit LensFit(const LensFitOptions& options) : options_(options) {}
