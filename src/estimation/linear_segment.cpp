@@ -111,7 +111,7 @@ void LinearSegment::prepareFactors(const Segment& segment, const Camera& camera)
     factors.has_ray =
         landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &factors.ray,
                     intrinsics_count_ > 0 ? &factors.d_intrinsics : nullptr);
-    if (segment.isEarlier(landmark.reference)) factors.d_intrinsics.setZero(3, intrinsics_count_);
+    if (segment.isLensHeld(landmark.reference)) factors.d_intrinsics.setZero(3, intrinsics_count_);
     if (!landmark.anchored) factors.basis = tangentBasis(landmark.bearing);
   }
 }
@@ -181,7 +181,7 @@ bool LinearSegment::linearizeRow(const Observation& observation, const Segment& 
   if (!seen_with.project(in_camera, &prediction, &d_point, kTail > 2 ? &d_intrinsics : nullptr)) {
     return false;
   }
-  if (segment.isEarlier(observation.keyframe)) d_intrinsics.setZero(2, intrinsics_count_);
+  if (segment.isLensHeld(observation.keyframe)) d_intrinsics.setZero(2, intrinsics_count_);
   // Eq. (2), whitened
   const Eigen::Vector2d residual = (observation.pixel - prediction) / observation.sigma;
   const HuberLoss loss(residual.squaredNorm(), huber);

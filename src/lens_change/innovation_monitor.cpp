@@ -6,12 +6,16 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kFramesToLearn = 10;
-constexpr double kMemory = 200.0;      // frames over which mean and spread are formed
-constexpr double kLeastSpread = 0.08;  // of a logarithm: the median of some 100 residuals
-constexpr double kAllowance = 1.5;     // spreads above the mean that do not count
-constexpr double kMaxStep = 6.0;       // spreads that one frame may add
-constexpr double kLimit = 10.0;        // spreads that make a suspicion: two frames at least
+// A suspicion that is for nothing costs a closer look, so that these set time spent, not errors.
+constexpr int kFramesToLearn = 10;  // a spread from so many is good to a quarter
+constexpr double kMemory = 200.0;   // frames over which mean and spread are formed: ten seconds
+// Of a logarithm: what chance does to the median of some 100 residuals.
+constexpr double kLeastSpread = 0.08;
+// Spreads above the mean that do not count: half of the smallest step that is to be seen, as usual
+// for a cumulative sum (Page 1954). Three spreads in all frames are a change that hurts.
+constexpr double kAllowance = 1.5;
+constexpr double kMaxStep = 6.0;  // spreads that one frame may add, and
+constexpr double kLimit = 10.0;   // that make a suspicion: one bad frame is none
 
 }  // namespace
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <memory>
 #include <utility>
 
 #include "camera_self_calibration/estimation/gate.h"
@@ -17,15 +16,15 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kMinLandmarks = 20;
+constexpr int kMinLandmarks = 20;  // twice the parameters of a lens
 // p-value below which a change has to show in the tracks that fit one lens best, too.
 constexpr double kToBeVerified = 1e-2;
-// Of the tracks, left out then.
+// Of the tracks, left out then. Things that move seldom hold more, and a lens changes for all.
 constexpr double kTrimmedShare = 0.15;
 
 // The robust cost of one lens throughout.
 double costOfOneLens(Segment segment, const Camera& lens, double sigma_scale) {
-  if (segment.earlier_camera) segment.earlier_camera = std::make_shared<const Camera>(lens);
+  setOneLens(&segment);
   Camera held = lens;
   Problem problem{&held, false, {freeBlock(&segment, lens)}};
   problem.blocks[0].sigma_scale = sigma_scale;
@@ -45,10 +44,7 @@ struct Changed {
 // From the state of `start`.
 Changed solveWithChange(const Changed& start, int earlier_keyframes, const Camera& reference) {
   Changed changed = start;
-  if (earlier_keyframes > 0) {
-    changed.segment.earlier_camera = std::make_shared<const Camera>(reference);
-    changed.segment.earlier_keyframes = earlier_keyframes;
-  }
+  if (earlier_keyframes > 0) setEarlierLens(reference, earlier_keyframes, &changed.segment);
   const Problem problem{&changed.camera, true, {freeBlock(&changed.segment, changed.camera)}};
   SolverOptions options;
   options.precision = kEstimatePrecision;
@@ -71,10 +67,7 @@ LensChange compare(const Segment& segment, int earlier_keyframes, const Referenc
   LensChange change;
   change.segment = segment;
   change.camera = reference.camera;
-  if (earlier_keyframes > 0) {
-    change.segment.earlier_camera = std::make_shared<const Camera>(reference.camera);
-    change.segment.earlier_keyframes = earlier_keyframes;
-  }
+  if (earlier_keyframes > 0) setEarlierLens(reference.camera, earlier_keyframes, &change.segment);
   const SegmentFit fit = fitSegment(SegmentFitOptions(), &change.segment, &change.camera);
   if (!fit.usable || !change.camera.valid() ||
       static_cast<int>(change.segment.landmarks.size()) < kMinLandmarks) {
@@ -113,7 +106,7 @@ LensChange compare(const Segment& segment, int earlier_keyframes, const Referenc
 Segment fittingOneLens(const Segment& segment, const Camera& camera) {
   Camera lens = camera;
   Segment given = segment;
-  given.earlier_camera.reset();
+  setOneLens(&given);
   Segment grown = given;
   GrowthOptions held;
   held.free_after_keyframes = std::numeric_limits<int>::max();
@@ -121,7 +114,8 @@ Segment fittingOneLens(const Segment& segment, const Camera& camera) {
   Segment result = fitOneLens(&grown, &lens) < fitOneLens(&given, &lens) ? grown : given;
   const int count = static_cast<int>(kTrimmedShare * static_cast<double>(result.landmarks.size()));
   removeLandmarks(worstTracks(freeBlock(&result, lens), lens, count), &result);
-  result.earlier_camera = segment.earlier_camera;
+  const int earlier = earlierKeyframes(segment);
+  if (earlier > 0) setEarlierLens(segment.held_lenses.front(), earlier, &result);
   return result;
 }
 

@@ -8,8 +8,9 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr std::size_t kMaxSettings = 4;
-constexpr double kDifferent = 0.05;  // p-value
+constexpr std::size_t kMaxSettings = 4;  // each keeps a queue: bounded memory
+// p-value: what is not recalled is only learnt again, a wrong one would have to be undone.
+constexpr double kDifferent = 0.05;
 
 }  // namespace
 

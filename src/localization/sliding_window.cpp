@@ -60,7 +60,7 @@ Rigid3 SlidingWindow::newestPose() const {
 // Keyframes from before a change of the lens keep the generation that they were estimated with.
 void SlidingWindow::takeGeneration(Segment* segment) const {
   for (std::size_t k = 0; k < segment->keyframes.size(); ++k) {
-    if (segment->isEarlier(static_cast<int>(k))) continue;
+    if (segment->isLensHeld(static_cast<int>(k))) continue;
     segment->keyframes[k].calibration_generation = generation_;
   }
 }
@@ -120,7 +120,7 @@ void SlidingWindow::solveUnconditioned() {
 void SlidingWindow::reseed(const Segment& solution) {
   if (solution.keyframes.size() < 2) return;
   const bool from_before =
-      solution.isEarlier(0) && map_.keyframe(solution.keyframes.front().id) != nullptr;
+      solution.isLensHeld(0) && map_.keyframe(solution.keyframes.front().id) != nullptr;
   const int k = from_before ? 0 : newest(solution);
   const Keyframe* kept = map_.keyframe(solution.keyframes[k].id);
   if (kept == nullptr) return;

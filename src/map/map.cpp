@@ -61,11 +61,11 @@ void Map::removeOldest(const Camera& camera) {
 }
 
 void Map::changeLens(std::int64_t onset_ns, const Camera& earlier, const Camera& present) {
-  if (earlier_camera_) {
-    while (!keyframes_.empty() && keyframes_.front().stamp_ns < change_ns_) removeOldest(present);
+  while (!keyframes_.empty() && keyframes_.front().lens != kPresentLens) removeOldest(present);
+  held_lenses_ = {earlier};
+  for (Keyframe& keyframe : keyframes_) {
+    if (keyframe.stamp_ns < onset_ns) keyframe.lens = 0;
   }
-  earlier_camera_ = std::make_shared<const Camera>(earlier);
-  change_ns_ = onset_ns;
 }
 
 void Map::setLineDelay(double line_delay_s, int image_height) {
@@ -101,7 +101,7 @@ void Map::removePoints(const std::vector<std::int64_t>& track_ids) {
 }
 
 void Map::clear() {
-  earlier_camera_.reset();
+  held_lenses_.clear();
   keyframes_.clear();
   points_.clear();
 }
@@ -137,10 +137,9 @@ Segment Map::segmentOf(int first, int end, const Camera& camera) const {
   segment.sequence = segment.keyframes.back().id;
   std::map<std::int64_t, int> index;  // keyframe id to index in the segment
   for (std::size_t k = 0; k < segment.keyframes.size(); ++k) {
-    if (earlier_camera_) segment.earlier_keyframes += segment.keyframes[k].stamp_ns < change_ns_;
     index[segment.keyframes[k].id] = static_cast<int>(k);
   }
-  if (segment.earlier_keyframes > 0) segment.earlier_camera = earlier_camera_;
+  if (segment.isLensHeld(0)) segment.held_lenses = held_lenses_;
   for (const auto& [track_id, point] : points_) {
     const auto begin = std::find_if(
         point.sightings.begin(), point.sightings.end(),
@@ -182,7 +181,8 @@ void Map::update(const Segment& segment) {
   for (const Keyframe& solved : segment.keyframes) {
     for (Keyframe& keyframe : keyframes_) {
       if (keyframe.id != solved.id) continue;
-      keyframe = solved;
+      const int lens = std::exchange(keyframe, solved).lens;
+      keyframe.lens = lens;
       keyframe.line_delay_s = line_delay_s_;
     }
   }

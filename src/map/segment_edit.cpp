@@ -23,14 +23,15 @@ struct TrackRecord {
 // Puts a segment together from parts that share keyframes and tracks.
 class Assembly {
  public:
-  explicit Assembly(std::vector<Keyframe> keyframes) { result_.keyframes = std::move(keyframes); }
+  Assembly(std::vector<Keyframe> keyframes, const std::vector<Camera>& held_lenses) {
+    result_.keyframes = std::move(keyframes);
+    result_.held_lenses = held_lenses;
+  }
 
   // `index` tells for each keyframe of the part its index in the result, -1 if it is left out.
   void add(const Segment& part, const std::vector<int>& index, bool solved);
   // `camera` (may be null) gives the rays of landmarks that are not solved.
   Segment build(const Camera* camera);
-  // The first keyframes were taken with another lens (Segment::earlier_camera).
-  void setEarlier(const Segment& like, int keyframes);
 
  private:
   void place(const TrackRecord& record, int reference, const Camera* camera, Landmark* landmark);
@@ -120,12 +121,6 @@ Segment Assembly::build(const Camera* camera) {
   return std::move(result_);
 }
 
-void Assembly::setEarlier(const Segment& like, int keyframes) {
-  if (!like.earlier_camera || keyframes <= 0) return;
-  result_.earlier_camera = like.earlier_camera;
-  result_.earlier_keyframes = keyframes;
-}
-
 // [i * keyframes + j], i < j: landmarks that both see.
 std::vector<int> sharedLandmarks(const Segment& segment) {
   const std::size_t keyframes = segment.keyframes.size();
@@ -150,12 +145,29 @@ std::vector<int> sharedLandmarks(const Segment& segment) {
 
 }  // namespace
 
+void setEarlierLens(const Camera& earlier, int keyframes, Segment* segment) {
+  segment->held_lenses = {earlier};
+  for (int k = 0; k < static_cast<int>(segment->keyframes.size()); ++k) {
+    segment->keyframes[k].lens = k < keyframes ? 0 : kPresentLens;
+  }
+}
+
+void setOneLens(Segment* segment) {
+  segment->held_lenses.clear();
+  for (Keyframe& keyframe : segment->keyframes) keyframe.lens = kPresentLens;
+}
+
+int earlierKeyframes(const Segment& segment) {
+  return static_cast<int>(
+      std::count_if(segment.keyframes.begin(), segment.keyframes.end(),
+                    [](const Keyframe& keyframe) { return keyframe.lens != kPresentLens; }));
+}
+
 Segment prefixOf(const Segment& segment, int keyframes, int min_views,
                  std::vector<int>* landmark_index) {
   Segment prefix;
   prefix.sequence = segment.sequence;
-  prefix.earlier_camera = segment.earlier_camera;
-  prefix.earlier_keyframes = std::min(segment.earlier_keyframes, keyframes);
+  prefix.held_lenses = segment.held_lenses;
   prefix.keyframes.assign(segment.keyframes.begin(), segment.keyframes.begin() + keyframes);
   std::vector<int> views(segment.landmarks.size(), 0);
   for (const Observation& observation : segment.observations) {
@@ -191,6 +203,13 @@ Segment extended(const Segment& batch, const Segment& history, const Camera& cam
   for (const Keyframe& keyframe : history.keyframes) {
     if (keyframe.id > batch.keyframes.back().id) keyframes.push_back(keyframe);
   }
+  // History dates a change of the lens only where it reaches back beyond it.
+  const std::size_t present = static_cast<std::size_t>(earlierKeyframes(history));
+  const bool dated = present > 0 && present < history.keyframes.size();
+  if (dated) {
+    const std::int64_t change = history.keyframes[present].id;
+    for (Keyframe& keyframe : keyframes) keyframe.lens = keyframe.id < change ? 0 : kPresentLens;
+  }
   std::map<std::int64_t, int> index_of;
   for (std::size_t k = 0; k < keyframes.size(); ++k)
     index_of[keyframes[k].id] = static_cast<int>(k);
@@ -202,14 +221,7 @@ Segment extended(const Segment& batch, const Segment& history, const Camera& cam
     }
     return result;
   };
-  // History dates a change of the lens only where it reaches back beyond it.
-  const int present = history.earlier_keyframes;
-  const bool dated = present > 0 && present < static_cast<int>(history.keyframes.size());
-  const auto before = [&](const Keyframe& k) { return k.id < history.keyframes[present].id; };
-  const auto earlier =
-      dated ? std::count_if(keyframes.begin(), keyframes.end(), before) : batch.earlier_keyframes;
-  Assembly assembly(std::move(keyframes));
-  assembly.setEarlier(dated ? history : batch, static_cast<int>(earlier));
+  Assembly assembly(std::move(keyframes), dated ? history.held_lenses : batch.held_lenses);
   assembly.add(batch, indices(batch), true);
   assembly.add(history, indices(history), false);
   return assembly.build(&camera);
@@ -237,15 +249,12 @@ std::vector<int> givenUp(const Segment& batch, const Segment& history) {
 Segment onlyKeyframes(const Segment& segment, const std::vector<char>& keep) {
   std::vector<Keyframe> keyframes;
   std::vector<int> index(segment.keyframes.size(), -1);
-  int earlier = 0;
   for (std::size_t k = 0; k < segment.keyframes.size(); ++k) {
     if (keep[k] == 0) continue;
     index[k] = static_cast<int>(keyframes.size());
     keyframes.push_back(segment.keyframes[k]);
-    earlier += segment.isEarlier(static_cast<int>(k)) ? 1 : 0;
   }
-  Assembly assembly(std::move(keyframes));
-  assembly.setEarlier(segment, earlier);
+  Assembly assembly(std::move(keyframes), segment.held_lenses);
   assembly.add(segment, index, true);
   return assembly.build(nullptr);
 }
@@ -264,7 +273,7 @@ Segment newestKeyframes(const Segment& segment, int count) {
 }
 
 std::vector<Segment> partsOfPresentLens(const Segment& segment, std::size_t count) {
-  const std::size_t begin = segment.earlier_camera ? segment.earlier_keyframes : 0;
+  const auto begin = static_cast<std::size_t>(earlierKeyframes(segment));
   const std::size_t end = segment.keyframes.size();
   std::vector<Segment> parts;
   for (std::size_t part = 0; part < count; ++part) {

@@ -141,11 +141,11 @@ bool BlockLinearization::linearize(const Observation& observation, Eigen::Index 
   }
   const Eigen::Index shared = rows_.cols() - shared_ - 1;
   auto displaced = rows.middleCols(shared + intrinsics_, DisplacementBasis::kCount);
-  if (!segment_.isEarlier(observation.keyframe)) {
+  if (!segment_.isLensHeld(observation.keyframe)) {
     rows.middleCols(shared, intrinsics_) = scale * j.intrinsics.leftCols(intrinsics_);
     displaced = scale * basis_.at(observation.pixel);
   }
-  if (landmark_->anchored && !segment_.isEarlier(landmark_->reference)) {
+  if (landmark_->anchored && !segment_.isLensHeld(landmark_->reference)) {
     rows.middleCols(shared, intrinsics_) += scale * j.ray * d_ray_.leftCols(intrinsics_);
     displaced -= scale * j.ray * ray_displacement_;
   }

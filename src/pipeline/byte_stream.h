@@ -58,6 +58,12 @@ class ByteReader {
     left_ -= 8;
     return value;
   }
+  /// A number that is not larger than `most`.
+  std::size_t upTo(std::size_t most) {
+    const std::uint64_t value = integer();
+    if (value > most) ok_ = false;
+    return ok_ ? static_cast<std::size_t>(value) : 0;
+  }
   /// A count of things of at least so many bytes each: never more than can still follow.
   std::size_t count(std::size_t bytes_each) {
     const std::uint64_t value = integer();

@@ -4,6 +4,7 @@
 
 #include "byte_stream.h"
 #include "camera_self_calibration/camera/image_size.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "checksum.h"
 
 namespace camera_self_calibration {
@@ -75,10 +76,9 @@ void write(const Candidate& candidate, ByteWriter* out) {
   writeList(candidate.segment.keyframes, out);
   writeList(candidate.segment.landmarks, out);
   writeList(candidate.segment.observations, out);
-  // After a change of the lens a segment knows of the earlier one, though it begins behind it.
-  const bool spans_change = candidate.segment.isEarlier(0);
-  out->integer(spans_change ? static_cast<std::uint64_t>(candidate.segment.earlier_keyframes) : 0);
-  if (spans_change) write(*candidate.segment.earlier_camera, out);
+  const int earlier = earlierKeyframes(candidate.segment);
+  out->integer(static_cast<std::uint64_t>(earlier));
+  if (earlier > 0) write(candidate.segment.held_lenses.front(), out);
   write(candidate.camera, out);
   out->matrix(candidate.information);
   for (const double value :
@@ -188,10 +188,8 @@ void read(StateReader* in, Candidate* candidate) {
   readList(in, &candidate->segment.keyframes);
   readList(in, &candidate->segment.landmarks);
   readList(in, &candidate->segment.observations);
-  candidate->segment.earlier_keyframes = static_cast<int>(in->integer());
-  if (candidate->segment.earlier_keyframes != 0) {
-    candidate->segment.earlier_camera = std::make_shared<Camera>(readCamera(in));
-  }
+  const auto earlier = static_cast<int>(in->upTo(candidate->segment.keyframes.size()));
+  if (earlier > 0) setEarlierLens(readCamera(in), earlier, &candidate->segment);
   candidate->camera = readCamera(in);
   candidate->information = in->matrix(kMaxIntrinsics, kMaxIntrinsics);
   for (double* value :
@@ -258,7 +256,9 @@ bool isSound(const Segment& segment) {
       return false;
     }
   }
-  if (segment.earlier_camera && !segment.earlier_camera->valid()) return false;
+  for (const Camera& lens : segment.held_lenses) {
+    if (!lens.valid()) return false;
+  }
   return !segment.keyframes.empty() && !segment.observations.empty();
 }
 

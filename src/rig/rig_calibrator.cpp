@@ -76,7 +76,7 @@ void dropGrossAcross(RigSegment* segment) {
     std::vector<double> norms(tracks.observations.size(), 0.0);
     std::vector<double> across;
     Transfers transfers;
-    predictObservations(tracks, tracks.cameras[c], &transfers,
+    predictObservations(tracks, tracks.held_lenses[c], &transfers,
                         [&](std::size_t o, const Eigen::Vector2d* pixel) {
                           const Observation& seen = tracks.observations[o];
                           if (views.camera(seen.keyframe) == c) return;

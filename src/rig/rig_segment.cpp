@@ -66,13 +66,13 @@ void groupByLandmark(Segment* segment) {
 void placeViews(const Rig& rig, RigSegment* segment) {
   const RigViews views{rig.size()};
   for (Segment& tracks : segment->tracks) {
-    tracks.cameras = rig.cameras;
+    tracks.held_lenses = rig.cameras;
     tracks.keyframes.resize(static_cast<std::size_t>(segment->frames() * rig.size()));
     for (int v = 0; v < static_cast<int>(tracks.keyframes.size()); ++v) {
       Keyframe& keyframe = tracks.keyframes[v];
       keyframe.id = v;
       keyframe.stamp_ns = segment->stamps_ns[views.frame(v)];
-      keyframe.camera = views.camera(v);
+      keyframe.lens = views.camera(v);
       keyframe.world_from_camera =
           segment->world_from_rig[views.frame(v)] * rig.rig_from_camera[views.camera(v)];
     }

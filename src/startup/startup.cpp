@@ -277,7 +277,7 @@ void Startup::setInformation(const Marginal& marginal) {
 void Startup::setInformation(const IntrinsicsMatrix& information) {
   information_ = information;
   covariance_ = covarianceFromInformation(information_).value_or(IntrinsicsMatrix());
-  if (segment_.isEarlier(0) && covariance_.size() > 0 &&
+  if (earlierKeyframes(segment_) > 0 && covariance_.size() > 0 &&
       covariance_.size() == earlier_covariance_.size()) {
     covariance_ += earlier_covariance_;
     information_ = covarianceFromInformation(covariance_).value_or(information_);

@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <memory>
 
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
@@ -9,6 +8,7 @@
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "estimation/sample_segments.h"
 
 namespace camera_self_calibration {
@@ -30,8 +30,7 @@ Segment changed(const Segment& segment, const Camera& before, const Camera& afte
     const auto ray = before.unproject(landmark.reference_pixel);
     if (!ray || !after.project(*ray, &landmark.reference_pixel)) ADD_FAILURE() << "not projected";
   }
-  result.earlier_camera = std::make_shared<const Camera>(before);
-  result.earlier_keyframes = kChange;
+  setEarlierLens(before, kChange, &result);
   return result;
 }
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
-#include <memory>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
 #include "camera_self_calibration/simulation/room.h"
 #include "camera_self_calibration/simulation/synthetic_motion.h"
@@ -270,8 +270,7 @@ TEST_F(SlidingWindowTest, ReseedAcrossAChangeOfTheLensKeepsWhatCameBefore) {
   Segment solution = right;  // at three times the scale
   for (Keyframe& keyframe : solution.keyframes) keyframe.world_from_camera.translation *= 3.0;
   for (Landmark& landmark : solution.landmarks) landmark.inverse_depth /= 3.0;
-  solution.earlier_camera = std::make_shared<const Camera>(kTruth);
-  solution.earlier_keyframes = 6;
+  setEarlierLens(kTruth, 6, &solution);
   window.reseed(solution);
   const Rigid3& kept = window.map().keyframes().front().world_from_camera;
   EXPECT_LT((kept.translation - first.translation).norm(), 1e-9);

@@ -163,8 +163,7 @@ TEST(Extended, KeepsWhatIsSolvedAndWhatHistoryForgot) {
 TEST(Extended, KeyframesKeepTheLensThatTheyWereTakenWith) {
   const SimulatedSegment made = sample(LandmarkOrigin::kInherited);
   Segment changed = made.segment;
-  changed.earlier_camera = std::make_shared<const Camera>(made.camera);
-  changed.earlier_keyframes = 5;
+  setEarlierLens(made.camera, 5, &changed);
   std::vector<int> index;
   Segment batch = prefixOf(changed, 9, 1, &index);
   batch = withoutKeyframe(batch, 2);  // one of the earlier lens
@@ -173,8 +172,9 @@ TEST(Extended, KeyframesKeepTheLensThatTheyWereTakenWith) {
     for (int k = 0; k < oldest; ++k) history = withoutKeyframe(history, 0);
     batch = extended(batch, history, made.camera);
     ASSERT_EQ(batch.keyframes.size(), 13u);
-    EXPECT_EQ(batch.earlier_keyframes, 4) << oldest;
-    EXPECT_EQ(batch.earlier_camera, changed.earlier_camera) << oldest;
+    EXPECT_EQ(earlierKeyframes(batch), 4) << oldest;
+    EXPECT_EQ(&batch.cameraOf(3, made.camera), &batch.held_lenses.front()) << oldest;
+    EXPECT_FALSE(batch.isLensHeld(4)) << oldest;
   }
 }
 
@@ -211,14 +211,13 @@ TEST(NewestKeyframes, AreTheLastOrAll) {
 TEST(PartsOfPresentLens, ShareNoKeyframe) {
   const SimulatedSegment made = sample(LandmarkOrigin::kMixed);
   Segment segment = made.segment;
-  segment.earlier_camera = std::make_shared<const Camera>(made.camera);
-  segment.earlier_keyframes = 4;
+  setEarlierLens(made.camera, 4, &segment);
   const std::vector<Segment> parts = partsOfPresentLens(segment, 2);
   ASSERT_EQ(parts.size(), 2u);
   for (int part = 0; part < 2; ++part) {
     ASSERT_EQ(parts[part].keyframes.size(), 5u);
     EXPECT_EQ(parts[part].keyframes.front().id, segment.keyframes[4 + 5 * part].id);
-    EXPECT_FALSE(parts[part].isEarlier(0));
+    EXPECT_FALSE(parts[part].isLensHeld(0));
     EXPECT_FALSE(parts[part].landmarks.empty());
   }
 }

@@ -6,6 +6,7 @@
 #include "benchmark/changing_tracks.h"
 #include "benchmark/random_lens.h"
 #include "camera_self_calibration/base/stamp.h"
+#include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
 #include "lens_change/change_samples.h"
@@ -122,13 +123,12 @@ KeyframeMessage nextAfterChange(double onset_s) {
 // Found just before the clock was set back: the map that it is told to began after the change.
 TEST(Change, AnOnsetThatIsYetToComePutsNoKeyframeBeforeTheChange) {
   const KeyframeMessage within = nextAfterChange(3.5);
-  ASSERT_TRUE(within.history.earlier_camera);
-  EXPECT_GT(within.history.earlier_keyframes, 0);
+  EXPECT_GT(earlierKeyframes(within.history), 0);
   const KeyframeMessage later = nextAfterChange(25.0);
   EXPECT_EQ(later.history.keyframes.size(), within.history.keyframes.size());
-  EXPECT_EQ(later.history.earlier_keyframes, 0);
+  EXPECT_EQ(earlierKeyframes(later.history), 0);
   EXPECT_GT(later.candidate.keyframes.size(), within.candidate.keyframes.size());
-  EXPECT_EQ(later.candidate.earlier_keyframes, 0);
+  EXPECT_EQ(earlierKeyframes(later.candidate), 0);
 }
 
 // While the lens after the first change is still being learnt.

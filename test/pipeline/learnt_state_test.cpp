@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "camera_self_calibration/map/segment_edit.h"
 #include "estimation/sample_segments.h"
 #include "pipeline/track_run.h"
 
@@ -84,8 +85,7 @@ TEST(LearntState, KeepsThatK3IsEstimatedAndAnEarlierLens) {
   camera.setEstimateK3(true);
   state.camera = camera;
   for (Candidate& segment : state.segments) {
-    segment.segment.earlier_camera = std::make_shared<Camera>(ordinaryCameras()[1]);
-    segment.segment.earlier_keyframes = 2;
+    setEarlierLens(ordinaryCameras()[1], 2, &segment.segment);
     segment.camera = camera;
     segment.information = IntrinsicsMatrix::Identity(9, 9);
   }
@@ -93,9 +93,9 @@ TEST(LearntState, KeepsThatK3IsEstimatedAndAnEarlierLens) {
   ASSERT_TRUE(decoded.state) << decoded.error;
   EXPECT_EQ(decoded.state->camera.estimatedCount(), 9);
   const Segment& first = decoded.state->segments[0].segment;
-  EXPECT_EQ(first.earlier_keyframes, 2);
-  ASSERT_TRUE(first.earlier_camera);
-  EXPECT_EQ(first.earlier_camera->parameters(), ordinaryCameras()[1].parameters());
+  EXPECT_EQ(earlierKeyframes(first), 2);
+  ASSERT_TRUE(first.isLensHeld(0));
+  EXPECT_EQ(first.cameraOf(0, camera).parameters(), ordinaryCameras()[1].parameters());
 }
 
 TEST(LearntState, EveryDamageIsNoticed) {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <iostream>
 #include <limits>
-#include <memory>
 
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/marginal.h"
@@ -373,8 +372,7 @@ TEST(Startup, AnEarlierLensLendsWhatWasKnownOfIt) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     const SimulatedSegment made = longSegment(before, MotionKind::kHandheld, seed, 24);
     Segment history = withChange(made.segment, before, after, 6);
-    history.earlier_camera = std::make_shared<const Camera>(zoomed(before, 1.004));
-    history.earlier_keyframes = 6;
+    setEarlierLens(zoomed(before, 1.004), 6, &history);
     std::vector<int> index;
     Segment solved = prefixOf(history, 9, 1, &index);
     Camera camera = before;
@@ -391,7 +389,7 @@ TEST(Startup, AnEarlierLensLendsWhatWasKnownOfIt) {
       startup.add(prefixOf(history, k, 1, &index));
       EXPECT_TRUE(isRight(startup, after)) << seed << " after keyframe " << k;
     }
-    EXPECT_EQ(startup.segment().earlier_keyframes, 6) << seed;
+    EXPECT_EQ(earlierKeyframes(startup.segment()), 6) << seed;
   }
   EXPECT_LT(trusting_right, 3);
 }

@@ -40,8 +40,7 @@ struct Recheck {
 /// observations fit the known intrinsics significantly worse than free ones,
 /// `2 (cost with the known - cost with free) > chi-square quantile`, both from the same state, with
 /// the same observations and sigmas; and the two calibrations differ by more than their uncertainty
-/// and the
-/// thresholds. Undecided while the images do not tell enough. `segment` holds the new
+/// and the thresholds. Undecided while the images do not tell enough. `segment` holds the new
 /// keyframes, solved with `fresh`.
 Recheck recheckCalibration(const RecheckOptions& options, const RecheckEvidence& evidence,
                            const Segment& segment);

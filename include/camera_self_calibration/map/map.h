@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <deque>
 #include <map>
-#include <memory>
 #include <optional>
 #include <vector>
 
@@ -54,7 +53,7 @@ class Map {
 
   /// The intrinsics that a keyframe was taken with; `present` since the last change.
   const Camera& cameraOf(const Keyframe& keyframe, const Camera& present) const {
-    return earlier_camera_ && keyframe.stamp_ns < change_ns_ ? *earlier_camera_ : present;
+    return keyframe.lens == kPresentLens ? present : held_lenses_[keyframe.lens];
   }
 
   /// How many keyframes have this stamp or a later one.
@@ -111,8 +110,7 @@ class Map {
   int max_keyframes_;
   bool exact_references_;
   std::deque<Keyframe> keyframes_;
-  std::shared_ptr<const Camera> earlier_camera_;  // of keyframes before change_ns_; null: no change
-  std::int64_t change_ns_ = 0;
+  std::vector<Camera> held_lenses_;  // Segment::held_lenses of what is taken out of it
   double line_delay_s_ = 0.0;
   std::map<std::int64_t, Point> points_;  // by track id: ordered, so that results are repeatable
 };

@@ -2,7 +2,6 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
@@ -10,6 +9,9 @@
 #include "camera_self_calibration/tracking/track.h"
 
 namespace camera_self_calibration {
+
+/// Keyframe::lens of a keyframe that was taken with the lens that is being estimated.
+inline constexpr int kPresentLens = -1;
 
 struct Keyframe {
   std::int64_t id = 0;  ///< Counts keyframes since the start.
@@ -21,7 +23,7 @@ struct Keyframe {
   /// Between image rows: that of the rolling shutter that its pixels are freed of; 0: as seen [s].
   double line_delay_s = 0.0;
   std::uint64_t calibration_generation = 0;  ///< Of the intrinsics its pose was estimated with.
-  int camera = 0;                            ///< Which of Segment::cameras took it.
+  int lens = kPresentLens;                   ///< Which of Segment::held_lenses took it, if one did.
 };
 
 /// What a rolling shutter did to a pixel.
@@ -61,19 +63,17 @@ struct Segment {
   std::vector<Keyframe> keyframes;
   std::vector<Landmark> landmarks;
   std::vector<Observation> observations;
-  /// Intrinsics of the first `earlier_keyframes` keyframes where the physical camera changed within
-  /// it: known, and held. Null: there was no change.
-  std::shared_ptr<const Camera> earlier_camera;
-  int earlier_keyframes = 0;
-  /// Of a rig, whose keyframes are the images of several cameras; empty: all are of one camera.
-  std::vector<Camera> cameras;
+  /// Lenses that are given, not estimated: where the physical camera changed within the segment,
+  /// that of its first keyframes; of a rig, whose keyframes are the images of several cameras,
+  /// those of all of them.
+  std::vector<Camera> held_lenses;
 
-  /// Whether a keyframe was taken before the change.
-  bool isEarlier(int keyframe) const { return earlier_camera && keyframe < earlier_keyframes; }
-  /// The intrinsics that a keyframe was taken with; `present` where they did not change.
+  /// Whether a keyframe was taken with a lens that is held.
+  bool isLensHeld(int keyframe) const { return keyframes[keyframe].lens != kPresentLens; }
+  /// The intrinsics that a keyframe was taken with; `present`: those that are being estimated.
   const Camera& cameraOf(int keyframe, const Camera& present) const {
-    if (isEarlier(keyframe)) return *earlier_camera;
-    return cameras.empty() ? present : cameras[keyframes[keyframe].camera];
+    const int lens = keyframes[keyframe].lens;
+    return lens == kPresentLens ? present : held_lenses[lens];
   }
 
   std::int64_t beginNs() const { return keyframes.empty() ? 0 : keyframes.front().stamp_ns; }

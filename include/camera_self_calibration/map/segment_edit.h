@@ -9,6 +9,16 @@
 
 namespace camera_self_calibration {
 
+/// The first `keyframes` keyframes were taken with the lens `earlier` before the camera changed,
+/// all others with the present one.
+void setEarlierLens(const Camera& earlier, int keyframes, Segment* segment);
+
+/// All keyframes were taken with the present lens.
+void setOneLens(Segment* segment);
+
+/// How many keyframes, the first ones, were taken before the camera changed (setEarlierLens).
+int earlierKeyframes(const Segment& segment);
+
 /// The first `keyframes` keyframes of a segment, with the landmarks that have at least `min_views`
 /// observations there (the reference keyframe of an anchored one not counted).
 /// `landmark_index` tells for each landmark its index in the whole segment.
