@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
+
 #include "camera_self_calibration/map/segment_edit.h"
 #include "estimation/sample_segments.h"
 #include "pipeline/track_run.h"
@@ -120,6 +123,30 @@ TEST(LearntState, ForeignFilesAndOtherVersionsAreNamed) {
   const std::size_t version = newer.find('\n') + 1;
   newer[version] = 9;
   EXPECT_NE(decodeState(newer).error.find("format 9"), std::string::npos);
+}
+
+// A file as the second version of the format was written. The lens changed within its second
+// segment.
+TEST(LearntState, FilesOfFormatTwoAreRead) {
+  std::ifstream file(SELFCAL_STATE_OF_FORMAT_TWO, std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  const DecodedState decoded = decodeState(bytes);
+  ASSERT_TRUE(decoded.state) << decoded.error;
+  const LearntState& state = *decoded.state;
+  EXPECT_EQ(state.camera.model(), CameraModel::kFov);
+  EXPECT_NEAR(state.camera.parameters()(0), 299.967, 5e-4);
+  EXPECT_EQ(state.stamp_ns, 5733333333);
+  EXPECT_EQ(state.keyframes, 20);
+  ASSERT_EQ(state.segments.size(), 2u);
+  const Segment& first = state.segments[0].segment;
+  const Segment& second = state.segments[1].segment;
+  EXPECT_EQ(first.keyframes.size(), 10u);
+  EXPECT_EQ(first.observations.size(), 15u);
+  EXPECT_EQ(earlierKeyframes(first), 0);
+  EXPECT_EQ(earlierKeyframes(second), 3);
+  EXPECT_EQ(second.cameraOf(2, state.camera).parameters(), ordinaryCameras()[1].parameters());
+  EXPECT_EQ(&second.cameraOf(3, state.camera), &state.camera);
+  EXPECT_EQ(second.observations[0].pixel, Eigen::Vector2d(353.547312331142, 431.96051699384765));
 }
 
 // A file as the first version of the format was written, in words of eight bytes: a camera, and a
