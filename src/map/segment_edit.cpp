@@ -201,7 +201,9 @@ Segment extended(const Segment& batch, const Segment& history, const Camera& cam
   if (batch.keyframes.empty()) return history;
   std::vector<Keyframe> keyframes = batch.keyframes;
   for (const Keyframe& keyframe : history.keyframes) {
-    if (keyframe.id > batch.keyframes.back().id) keyframes.push_back(keyframe);
+    if (keyframe.id <= batch.keyframes.back().id) continue;
+    keyframes.push_back(keyframe);
+    keyframes.back().lens = kPresentLens;
   }
   // History dates a change of the lens only where it reaches back beyond it.
   const std::size_t present = static_cast<std::size_t>(earlierKeyframes(history));

@@ -39,6 +39,7 @@ void WholeTrajectory::addKeyframes(const Segment& window, double scale, Part* pa
     }
     part->keyframe_index[keyframe.id] = static_cast<int>(part->segment.keyframes.size());
     part->segment.keyframes.push_back(keyframe);
+    part->segment.keyframes.back().lens = kPresentLens;
   }
 }
 
