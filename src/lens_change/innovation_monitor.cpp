@@ -12,7 +12,7 @@ constexpr double kMemory = 200.0;   // frames over which mean and spread are for
 // Of a logarithm: what chance does to the median of some 100 residuals.
 constexpr double kLeastSpread = 0.08;
 // Spreads above the mean that do not count: half of the smallest step that is to be seen, as usual
-// for a cumulative sum (Page 1954). Three spreads in all frames are a change that hurts.
+// for a cumulative sum (Page 1954).
 constexpr double kAllowance = 1.5;
 constexpr double kMaxStep = 6.0;  // spreads that one frame may add, and
 constexpr double kLimit = 10.0;   // that make a suspicion: one bad frame is none

@@ -16,10 +16,10 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr int kMinLandmarks = 20;  // twice the parameters of a lens
+constexpr int kMinLandmarks = 20;
 // p-value below which a change has to show in the tracks that fit one lens best, too.
 constexpr double kToBeVerified = 1e-2;
-// Of the tracks, left out then. Things that move seldom hold more, and a lens changes for all.
+// Of the tracks, left out then: it is assumed that things that move hold no more.
 constexpr double kTrimmedShare = 0.15;
 
 // The robust cost of one lens throughout.

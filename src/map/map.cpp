@@ -181,7 +181,8 @@ void Map::update(const Segment& segment) {
   for (const Keyframe& solved : segment.keyframes) {
     for (Keyframe& keyframe : keyframes_) {
       if (keyframe.id != solved.id) continue;
-      const int lens = std::exchange(keyframe, solved).lens;
+      const int lens = keyframe.lens;
+      keyframe = solved;
       keyframe.lens = lens;
       keyframe.line_delay_s = line_delay_s_;
     }

@@ -206,7 +206,7 @@ Segment extended(const Segment& batch, const Segment& history, const Camera& cam
     keyframes.back().lens = kPresentLens;
   }
   // History dates a change of the lens only where it reaches back beyond it.
-  const std::size_t present = static_cast<std::size_t>(earlierKeyframes(history));
+  const auto present = static_cast<std::size_t>(earlierKeyframes(history));
   const bool dated = present > 0 && present < history.keyframes.size();
   if (dated) {
     const std::int64_t change = history.keyframes[present].id;

@@ -38,8 +38,8 @@ void WholeTrajectory::addKeyframes(const Segment& window, double scale, Part* pa
           part->segment.keyframes[index].world_from_camera * before_from_camera;
     }
     part->keyframe_index[keyframe.id] = static_cast<int>(part->segment.keyframes.size());
+    keyframe.lens = kPresentLens;  // a part holds no lens
     part->segment.keyframes.push_back(keyframe);
-    part->segment.keyframes.back().lens = kPresentLens;
   }
 }
 

@@ -174,6 +174,7 @@ TEST(Extended, KeyframesKeepTheLensThatTheyWereTakenWith) {
     ASSERT_EQ(batch.keyframes.size(), 13u);
     EXPECT_EQ(earlierKeyframes(batch), 4) << oldest;
     EXPECT_EQ(batch.cameraOf(3, made.camera).model(), earlier.model()) << oldest;
+    EXPECT_EQ(batch.cameraOf(3, made.camera).parameters(), earlier.parameters()) << oldest;
     EXPECT_FALSE(batch.isLensHeld(4)) << oldest;
   }
 }

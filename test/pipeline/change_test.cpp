@@ -123,6 +123,7 @@ KeyframeMessage nextAfterChange(double onset_s) {
 // Found just before the clock was set back: the map that it is told to began after the change.
 TEST(Change, AnOnsetThatIsYetToComePutsNoKeyframeBeforeTheChange) {
   const KeyframeMessage within = nextAfterChange(3.5);
+  ASSERT_FALSE(within.history.held_lenses.empty());
   EXPECT_GT(earlierKeyframes(within.history), 0);
   const KeyframeMessage later = nextAfterChange(25.0);
   EXPECT_EQ(later.history.keyframes.size(), within.history.keyframes.size());

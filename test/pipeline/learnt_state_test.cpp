@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 
 #include "camera_self_calibration/map/segment_edit.h"
 #include "estimation/sample_segments.h"
+#include "pipeline/checksum.h"
 #include "pipeline/track_run.h"
 
 namespace camera_self_calibration {
@@ -370,6 +372,33 @@ TEST(LearntState, UnsoundContentsAreRefused) {
     s->segments[0].segment.keyframes[1].world_from_camera.translation(0) = NAN;
   }));
   EXPECT_TRUE(refused([](LearntState* s) { s->segments[0].information.resize(2, 2); }));
+  EXPECT_TRUE(
+      refused([](LearntState* s) { setEarlierLens(Camera(), 2, &s->segments[0].segment); }));
+}
+
+TEST(LearntState, MoreKeyframesOfAnEarlierLensThanThereAreAreRefused) {
+  LearntState state = *learntState();
+  Segment& segment = state.segments[0].segment;
+  const auto encodedWith = [&](int earlier) {
+    setEarlierLens(ordinaryCameras()[1], earlier, &segment);
+    const std::string bytes = encode(state);
+    return bytes.substr(0, bytes.size() - 8);  // without the checksum
+  };
+  std::string body = encodedWith(1);
+  const std::string other = encodedWith(2);
+  const auto count = std::mismatch(body.begin(), body.end(), other.begin()).first;
+  const auto decoded = [&](std::size_t earlier) {
+    *count = static_cast<char>(earlier);
+    const std::uint64_t sum = checksum(body.data(), body.size());
+    std::string bytes = body;
+    for (int shift = 0; shift < 64; shift += 8) bytes += static_cast<char>((sum >> shift) & 0xff);
+    return decodeState(bytes);
+  };
+  const std::size_t keyframes = segment.keyframes.size();
+  const DecodedState all = decoded(keyframes);
+  ASSERT_TRUE(all.state) << all.error;
+  EXPECT_EQ(earlierKeyframes(all.state->segments[0].segment), static_cast<int>(keyframes));
+  EXPECT_FALSE(decoded(keyframes + 1).state);
 }
 
 }  // namespace

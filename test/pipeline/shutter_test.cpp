@@ -110,7 +110,8 @@ TEST(Shutter, AKeyframeIsHandedOnWhenTheMotionInItIsKnown) {
       EXPECT_EQ(message.history.endNs(), message.candidate.endNs());
       const std::int64_t newest = run.record.frames.empty() ? 0 : run.record.frames.back().stamp_ns;
       const double late_s = toSeconds(newest - message.candidate.endNs());
-      EXPECT_NEAR(late_s, rolls ? 1.0 / 30.0 : -1.0 / 30.0, 1e-3) << "the present frame comes later";
+      EXPECT_NEAR(late_s, rolls ? 1.0 / 30.0 : -1.0 / 30.0, 1e-3)
+          << "the present frame comes later";
       EXPECT_EQ(mostImages(message), rolls ? 5 : 0);
     };
     run.run(60);
