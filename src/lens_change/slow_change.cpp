@@ -96,17 +96,13 @@ std::vector<QuadraticLikelihood> ChangeDetector::segmentsOf(const SegmentQueue& 
   return segments;
 }
 
-bool ChangeDetector::isEstablished(const LensCourse& course) const {
-  return course.pValue() < course_limit_ && course.exceeds(1.0 / kDoubt);
-}
-
 LensDrift ChangeDetector::drift(const SegmentQueue& queue, std::int64_t now_ns) const {
   const Camera& camera = queue.solution().camera;
   const LensCourse course = courseOfLens(segmentsOf(queue, now_ns), camera, now_ns);
   LensDrift drift;
   if (!course.exceeds(1.0)) return drift;
   drift.significant = withEstimated(camera, course.now).valid();
-  drift.told = isEstablished(course) && course.drift > course.step;
+  drift.told = drift_told_;
   drift.rate = course.rate;
   drift.offset = course.now - compromise(ownLikelihoods(queue.candidates()), nothingKnown(camera));
   drift.covariance = course.covariance;
@@ -143,13 +139,15 @@ ChangeVerdict ChangeDetector::examineCourse(const SegmentQueue& queue) {
   const Camera& camera = queue.solution().camera;
   const LensCourse course = courseOfLens(segmentsOf(queue, last_stamp_ns_), camera, last_stamp_ns_);
   ChangeVerdict verdict;
-  if (!isEstablished(course)) return verdict;
+  const bool established = course.pValue() < course_limit_ && course.exceeds(1.0 / kDoubt);
+  drift_told_ = established && course.drift > course.step;
+  if (!established) return verdict;
   verdict.p_value = course.pValue();
   verdict.onset_ns = course.onset_ns;
   verdict.segment = recent_.back().candidate.segment;
   if (course.step > course.drift + std::log(kStrong)) {
     describeStep(queue, &verdict);
-  } else if (course.drift > course.step) {
+  } else if (drift_told_) {
     describeDrift(course, queue, &verdict);
   }
   return verdict;

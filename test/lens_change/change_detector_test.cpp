@@ -163,6 +163,12 @@ TEST(ChangeDetector, ADriftMakesOldSegmentsStale) {
   EXPECT_LT(distance(drift.camera, lensOf(8)), distance(queue.solution().camera, lensOf(8)));
   const LensDrift drifting = detector.drift(queue, windowAt(80.0, kLens).endNs());
   EXPECT_TRUE(drifting.told);
+
+  // Without the newest segment nothing was asked with the allowed rate of false alarms.
+  const ChangeDetector silent(kRate);
+  const LensDrift likely = silent.drift(queue, queue.candidates().back().segment.endNs());
+  EXPECT_TRUE(likely.significant);
+  EXPECT_FALSE(likely.told);
 }
 
 // Segments that end later than now have the stamps of a clock that was set back since. Taken for

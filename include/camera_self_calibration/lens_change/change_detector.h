@@ -82,6 +82,7 @@ class ChangeDetector {
   void reset() {
     recent_.clear();
     findings_ = 0;
+    drift_told_ = false;
     in_doubt_ = false;
     suspected_ = false;
   }
@@ -117,7 +118,6 @@ class ChangeDetector {
   bool isNewSegment(std::int64_t begin_ns) const;  // shares nothing with those remembered
   void remember(const Candidate& candidate, const QuadraticLikelihood& likelihood);
   std::vector<QuadraticLikelihood> segmentsOf(const SegmentQueue& queue, std::int64_t now_ns) const;
-  bool isEstablished(const LensCourse& course) const;  // with the allowed rate of false alarms
   bool isRatherDrift(const ChangeVerdict& change, const SegmentQueue& queue) const;
   ChangeVerdict examineCourse(const SegmentQueue& queue);
   void describeStep(const SegmentQueue& queue, ChangeVerdict* verdict) const;
@@ -130,6 +130,7 @@ class ChangeDetector {
   double usual_residual_scale_ = 1.0;
   std::deque<RememberedSegment> recent_;  // disjoint, in the order of time
   double course_limit_ = 0.0;             // p-value for all segments together, at the newest one
+  bool drift_told_ = false;               // what they said then: each is asked once
   bool in_doubt_ = false;                 // what the newest keyframe said
   bool suspected_ = false;                // in this doubt, a change was seen to happen
   int findings_ = 0;                      // keyframes in a row that found the lens `found_`
