@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "camera_self_calibration/base/distributions.h"
-#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/geometry/so3.h"
@@ -70,9 +69,7 @@ std::optional<Eigen::Vector2d> seenFrom(const Rigid3& pose, const PlacePoint& po
   return pixel;
 }
 
-PointView viewOf(const SeenAgain& seen, double sigma) {
-  return {seen.point.direction, seen.point.origin, seen.point.inverse_depth, seen.pixel, sigma};
-}
+PointView viewOf(const SeenAgain& seen, double sigma) { return {seen.point, seen.pixel, sigma}; }
 
 // The pose at the place's own position that turns the points' rays to where they are seen: where
 // the search from a sample begins.
@@ -153,12 +150,10 @@ bool showsAPlace(const RecognizedPlace& recognized, const std::vector<Place>& pl
   });
 }
 
-double medianInverseDistance(const RecognizedPlace& place) {
-  std::vector<double> inverse;
-  for (const SeenAgain& seen : place.seen) {
-    inverse.push_back(inverseDistance(seen.point, place.old_from_camera.translation));
-  }
-  return median(std::move(inverse), 1.0);
+double typicalInverseDepthOf(const RecognizedPlace& place) {
+  std::vector<WorldPoint> points;
+  for (const SeenAgain& seen : place.seen) points.push_back(seen.point);
+  return typicalInverseDepthFrom(place.old_from_camera.translation, points);
 }
 
 }  // namespace
@@ -249,7 +244,7 @@ std::optional<RecognizedPlace> confirmPose(const std::vector<Place>& places, std
   }
   if (!showsAPlace(result, places, camera)) return std::nullopt;
   const double sigma = std::sqrt(pose.covariance.topLeftCorner<3, 3>().trace());
-  if (!(sigma * medianInverseDistance(result) < kMaxPoseSigma)) return std::nullopt;
+  if (!(sigma * typicalInverseDepthOf(result) < kMaxPoseSigma)) return std::nullopt;
   return result;
 }
 

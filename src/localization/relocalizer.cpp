@@ -68,7 +68,7 @@ bool agree(const Similarity3& a, const Similarity3& b, const Map& map, const Cam
   const Rigid3 one = a * newest.world_from_camera;
   const Rigid3 other = b * newest.world_from_camera;
   const double depths = (one.translation - other.translation).norm() / b.scale *
-                        map.medianInverseDepth(newest.id, camera);
+                        map.typicalInverseDepthAt(newest.id, camera);
   return depths < kMaxDistance && one.rotation.angularDistance(other.rotation) < kMaxAngle;
 }
 

@@ -124,32 +124,27 @@ void SlidingWindow::reseed(const Segment& solution) {
   const int k = from_before ? 0 : newest(solution);
   const Keyframe* kept = map_.keyframe(solution.keyframes[k].id);
   if (kept == nullptr) return;
+  // Over just the points that typicalInverseDepthAt looks at: others would shift the median and,
+  // one reseeding after the other, let the scale run away.
+  std::vector<std::int64_t> seen;
+  for (const Landmark* landmark : landmarksSeenIn(k, solution)) seen.push_back(landmark->track_id);
   Segment known = solution;
-  keepPoseAndDepth(k, kept->world_from_camera, medianInverseDepthOf(solution, k, *kept), &known);
+  keepPoseAndDepth(k, kept->world_from_camera, typicalInverseDepthOf(seen, *kept), &known);
   takeGeneration(&known);
   map_.update(known);
 }
 
-// Over just the points that typicalInverseDepthAt looks at: others would shift the median and, one
-// reseeding after the other, let the scale run away.
-double SlidingWindow::medianInverseDepthOf(const Segment& solution, int k,
-                                           const Keyframe& keyframe) const {
-  std::vector<double> inverse_depths;
-  for (const Landmark* landmark : landmarksSeenIn(k, solution)) {
-    const auto found = map_.points().find(landmark->track_id);
-    if (found == map_.points().end()) continue;
-    const auto known = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
-    if (known) inverse_depths.push_back(*known);
-  }
-  return typicalInverseDepth(std::move(inverse_depths));
+double SlidingWindow::typicalInverseDepthOf(const std::vector<std::int64_t>& track_ids,
+                                            const Keyframe& keyframe) const {
+  return typicalInverseDepthFrom(keyframe.world_from_camera.translation,
+                                 map_.worldPoints(track_ids, camera_));
 }
 
 std::optional<PointView> SlidingWindow::viewOf(const Map::Point& point, const Track& track) const {
   const auto known = map_.worldPoint(point, camera_);
   if (!known) return std::nullopt;
   const double middle_row = 0.5 * (camera_.height() - 1);
-  return PointView{known->direction, known->origin, known->inverse_depth,
-                   asSeenAtOnce(track.pixel, track.motion, middle_row, map_.lineDelayS()),
+  return PointView{*known, asSeenAtOnce(track.pixel, track.motion, middle_row, map_.lineDelayS()),
                    track.sigma};
 }
 
@@ -240,15 +235,10 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
       tracks.push_back(track);
     }
   }
-  // New points start at the median inverse depth of the points that the same view holds already.
-  std::vector<double> inverse_depths;
-  for (const Track& track : tracks) {
-    const auto found = map_.points().find(track.id);
-    if (found == map_.points().end()) continue;
-    const auto known = map_.inverseDepthFrom(keyframe.world_from_camera, found->second, camera_);
-    if (known) inverse_depths.push_back(*known);
-  }
-  map_.addKeyframe(keyframe, tracks, typicalInverseDepth(std::move(inverse_depths)), camera_);
+  // New points start where those are that the same view holds already.
+  std::vector<std::int64_t> seen;
+  for (const Track& track : tracks) seen.push_back(track.id);
+  map_.addKeyframe(keyframe, tracks, typicalInverseDepthOf(seen, keyframe), camera_);
   std::vector<std::int64_t> outliers = solveWindow();
   outliers.insert(outliers.end(), at_odds.begin(), at_odds.end());
   return outliers;

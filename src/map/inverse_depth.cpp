@@ -20,6 +20,11 @@ double typicalInverseDepth(std::vector<double> inverse_depths) {
   return middle > 0.0 ? middle : 1.0;
 }
 
+WorldPoint worldPoint(const Landmark& landmark, const Segment& segment) {
+  const Rigid3& reference = segment.keyframes[landmark.reference].world_from_camera;
+  return {reference.rotation * landmark.bearing, reference.translation, landmark.inverse_depth};
+}
+
 std::vector<double> inverseDepths(const Segment& segment) {
   std::vector<double> values;
   values.reserve(segment.landmarks.size());
@@ -43,13 +48,11 @@ std::vector<const Landmark*> landmarksSeenIn(int k, const Segment& segment) {
 }
 
 double typicalInverseDepthAt(int k, const Segment& segment) {
-  std::vector<double> inverse_depths;
+  std::vector<WorldPoint> points;
   for (const Landmark* landmark : landmarksSeenIn(k, segment)) {
-    inverse_depths.push_back(transferInverseDepth(
-        segment.keyframes[landmark->reference].world_from_camera, landmark->bearing,
-        landmark->inverse_depth, segment.keyframes[k].world_from_camera));
+    points.push_back(worldPoint(*landmark, segment));
   }
-  return typicalInverseDepth(std::move(inverse_depths));
+  return typicalInverseDepthFrom(segment.keyframes[k].world_from_camera.translation, points);
 }
 
 }  // namespace camera_self_calibration

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 
 namespace camera_self_calibration {
@@ -229,17 +228,26 @@ std::optional<double> Map::inverseDepthFrom(const Rigid3& world_from_camera, con
   return inverseDistance(*known, world_from_camera.translation);
 }
 
-double Map::medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) const {
-  std::vector<double> inverse_depths;
-  const Keyframe* other = keyframe(keyframe_id);
-  if (other == nullptr) return 1.0;
-  for (const auto& [track_id, point] : points_) {
-    if (sightingIn(point, keyframe_id) == nullptr) continue;
-    const auto known = inverseDepthFrom(other->world_from_camera, point, camera);
-    if (known) inverse_depths.push_back(*known);
+std::vector<WorldPoint> Map::worldPoints(const std::vector<std::int64_t>& track_ids,
+                                         const Camera& camera) const {
+  std::vector<WorldPoint> known;
+  for (const std::int64_t track_id : track_ids) {
+    const auto found = points_.find(track_id);
+    if (found == points_.end()) continue;
+    if (const auto point = worldPoint(found->second, camera)) known.push_back(*point);
   }
-  const double middle = median(std::move(inverse_depths), 1.0);
-  return middle > 0.0 ? middle : 1.0;
+  return known;
+}
+
+double Map::typicalInverseDepthAt(std::int64_t keyframe_id, const Camera& camera) const {
+  const Keyframe* observer = keyframe(keyframe_id);
+  if (observer == nullptr) return 1.0;
+  std::vector<std::int64_t> seen;
+  for (const auto& [track_id, point] : points_) {
+    if (sightingIn(point, keyframe_id) != nullptr) seen.push_back(track_id);
+  }
+  return typicalInverseDepthFrom(observer->world_from_camera.translation,
+                                 worldPoints(seen, camera));
 }
 
 }  // namespace camera_self_calibration

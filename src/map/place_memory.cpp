@@ -24,12 +24,11 @@ bool sameView(const Place& a, const Place& b) {
 }
 
 double typicalOf(const Place& place) {
-  std::vector<double> inverse_depths;
+  std::vector<WorldPoint> known;
   for (const PlacePoint& point : place.points) {
-    if (!point.known) continue;
-    inverse_depths.push_back(inverseDistance(point, place.world_from_camera.translation));
+    if (point.known) known.push_back(point);
   }
-  return typicalInverseDepth(std::move(inverse_depths));
+  return typicalInverseDepthFrom(place.world_from_camera.translation, known);
 }
 
 void refreshPoint(const Map& map, const Camera& camera, PlacePoint* point) {

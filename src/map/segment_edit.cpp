@@ -35,7 +35,7 @@ class Assembly {
 
  private:
   void place(const TrackRecord& record, int reference, const Camera* camera, Landmark* landmark);
-  double medianInverseDepth(int k) const;
+  double typicalInverseDepthAt(int k) const;
 
   Segment result_;
   std::map<std::int64_t, TrackRecord> tracks_;
@@ -58,17 +58,14 @@ void Assembly::add(const Segment& part, const std::vector<int>& index, bool solv
   }
 }
 
-// Median inverse depth of the solved landmarks that keyframe `k` sees, in its own frame.
-double Assembly::medianInverseDepth(int k) const {
-  std::vector<double> inverse_depths;
+// Of the solved landmarks that keyframe `k` sees, in its own frame.
+double Assembly::typicalInverseDepthAt(int k) const {
+  std::vector<WorldPoint> points;
   for (const auto& [track_id, record] : tracks_) {
     if (record.solved == nullptr || record.sightings.count(k) == 0) continue;
-    const Landmark& landmark = record.landmark;
-    inverse_depths.push_back(transferInverseDepth(
-        record.solved->keyframes[landmark.reference].world_from_camera, landmark.bearing,
-        landmark.inverse_depth, result_.keyframes[k].world_from_camera));
+    points.push_back(worldPoint(record.landmark, *record.solved));
   }
-  return typicalInverseDepth(std::move(inverse_depths));
+  return typicalInverseDepthFrom(result_.keyframes[k].world_from_camera.translation, points);
 }
 
 void Assembly::place(const TrackRecord& record, int reference, const Camera* camera,
@@ -107,7 +104,7 @@ Segment Assembly::build(const Camera* camera) {
     place(record, anchored ? record.anchor : first, camera, &landmark);
     if (record.solved == nullptr) {
       const auto [entry, is_new] = inverse_depth_at.try_emplace(landmark.reference, 0.0);
-      if (is_new) entry->second = medianInverseDepth(landmark.reference);
+      if (is_new) entry->second = typicalInverseDepthAt(landmark.reference);
       landmark.inverse_depth = entry->second;
     }
     result_.landmarks.push_back(landmark);

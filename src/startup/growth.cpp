@@ -35,26 +35,11 @@ std::vector<PointView> viewsOf(const Segment& segment, int k, const Camera& came
     const Camera& seen_with = segment.cameraOf(landmark.reference, camera);
     if (!landmarkRay(seen_with, landmark, &ray, nullptr)) continue;
     const Rigid3& reference = segment.keyframes[landmark.reference].world_from_camera;
-    views.push_back({reference.rotation * ray, reference.translation, landmark.inverse_depth,
-                     observation.pixel, observation.sigma});
+    views.push_back({{reference.rotation * ray, reference.translation, landmark.inverse_depth},
+                     observation.pixel,
+                     observation.sigma});
   }
   return views;
-}
-
-double medianInverseDepthAt(const Segment& segment, int k, const Camera& camera) {
-  std::vector<double> inverse_depths;
-  for (const Observation& observation : segment.observations) {
-    const Landmark& landmark = segment.landmarks[observation.landmark];
-    Eigen::Vector3d ray;
-    if (observation.keyframe != k || landmark.reference >= k ||
-        !landmarkRay(segment.cameraOf(landmark.reference, camera), landmark, &ray, nullptr)) {
-      continue;
-    }
-    inverse_depths.push_back(
-        transferInverseDepth(segment.keyframes[landmark.reference].world_from_camera, ray,
-                             landmark.inverse_depth, segment.keyframes[k].world_from_camera));
-  }
-  return typicalInverseDepth(std::move(inverse_depths));
 }
 
 void restartRunawayDepths(double max_ratio, Segment* segment) {
@@ -71,10 +56,11 @@ void placeKeyframe(int k, const Camera& camera, Segment* segment) {
   auto& keyframes = segment->keyframes;
   Rigid3& pose = keyframes[k].world_from_camera;
   pose = keyframes[k - 1].world_from_camera;
-  const PoseEstimate solved = solvePose(segment->cameraOf(k, camera), viewsOf(*segment, k, camera),
-                                        pose, kHuberThreshold, 20);
+  const std::vector<PointView> views = viewsOf(*segment, k, camera);
+  const PoseEstimate solved =
+      solvePose(segment->cameraOf(k, camera), views, pose, kHuberThreshold, 20);
   if (solved.usable) pose = solved.world_from_camera;
-  const double inverse_depth = medianInverseDepthAt(*segment, k, camera);
+  const double inverse_depth = typicalInverseDepthFrom(pose.translation, views);
   for (Landmark& landmark : segment->landmarks) {
     if (landmark.reference == k) landmark.inverse_depth = inverse_depth;
   }

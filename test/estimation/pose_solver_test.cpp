@@ -21,8 +21,9 @@ std::vector<PointView> viewsFrom(const Camera& camera, const Rigid3& pose, int c
     if (!ray) continue;
     const Eigen::Vector3d point = pose * (random->uniform(2.0, 6.0) * *ray);
     const Eigen::Vector3d offset = point - origin;
-    views.push_back({offset.normalized(), origin, 1.0 / offset.norm(),
-                     pixel + sigma * random->normal2(), std::max(sigma, 0.1)});
+    views.push_back({{offset.normalized(), origin, 1.0 / offset.norm()},
+                     pixel + sigma * random->normal2(),
+                     std::max(sigma, 0.1)});
   }
   return views;
 }

@@ -141,7 +141,7 @@ TEST_F(SlidingWindowTest, AdoptingAnotherCalibrationMovesNothingFar) {
     for (int k = 0; k < 25; ++k) addKeyframe(&window);
     const Rigid3 before = window.newestPose();
     const std::int64_t newest = window.map().keyframes().back().id;
-    const double depth_before = window.map().medianInverseDepth(newest, window.camera());
+    const double depth_before = window.map().typicalInverseDepthAt(newest, window.camera());
     const double path = length(window);
 
     window.adopt(kTruth, 7, false);
@@ -149,7 +149,7 @@ TEST_F(SlidingWindowTest, AdoptingAnotherCalibrationMovesNothingFar) {
     const Rigid3 after = window.newestPose();
     EXPECT_LT((after.translation - before.translation).norm(), 0.01 * path);
     EXPECT_LT(after.rotation.angularDistance(before.rotation), 0.01);
-    EXPECT_NEAR(window.map().medianInverseDepth(newest, kTruth) / depth_before, 1.0, 0.01);
+    EXPECT_NEAR(window.map().typicalInverseDepthAt(newest, kTruth) / depth_before, 1.0, 0.01);
     // The frame located anew against the adopted map is where it was.
     const PoseEstimate located = window.localize(newest_, after);
     ASSERT_TRUE(located.usable);
@@ -221,7 +221,7 @@ TEST_F(SlidingWindowTest, ReseedTakesASolutionAndKeepsPoseAndDepth) {
   SlidingWindow window(SlidingWindowOptions(), kTruth);
   for (int k = 0; k < 12; ++k) addKeyframe(&window);
   const Rigid3 pose = window.newestPose();
-  const double depth = window.map().medianInverseDepth(11, kTruth);
+  const double depth = window.map().typicalInverseDepthAt(11, kTruth);
   const double path = length(window);
   // The same in another frame, at three times the scale.
   Segment solution = window.map().segmentFrom(0, kTruth);
@@ -234,7 +234,7 @@ TEST_F(SlidingWindowTest, ReseedTakesASolutionAndKeepsPoseAndDepth) {
   for (Landmark& landmark : solution.landmarks) landmark.inverse_depth /= 3.0;
   for (int again = 0; again < 20; ++again) window.reseed(solution);  // as at each keyframe
   EXPECT_LT((window.newestPose().translation - pose.translation).norm(), 1e-9);
-  EXPECT_NEAR(window.map().medianInverseDepth(11, kTruth) / depth, 1.0, 0.01);
+  EXPECT_NEAR(window.map().typicalInverseDepthAt(11, kTruth) / depth, 1.0, 0.01);
   EXPECT_NEAR(length(window) / path, 1.0, 0.01);
   // Of keyframes that the map does not know: nothing.
   for (Keyframe& keyframe : solution.keyframes) keyframe.id += 1000;
@@ -265,7 +265,7 @@ TEST_F(SlidingWindowTest, ReseedAcrossAChangeOfTheLensKeepsWhatCameBefore) {
   }
   window.reseed(wrong);
   const Rigid3 first = window.map().keyframes().front().world_from_camera;
-  const double depth = window.map().medianInverseDepth(0, kTruth);
+  const double depth = window.map().typicalInverseDepthAt(0, kTruth);
   EXPECT_NEAR(growth() / true_growth, 2.0, 1e-6);
   Segment solution = right;  // at three times the scale
   for (Keyframe& keyframe : solution.keyframes) keyframe.world_from_camera.translation *= 3.0;
@@ -275,7 +275,7 @@ TEST_F(SlidingWindowTest, ReseedAcrossAChangeOfTheLensKeepsWhatCameBefore) {
   const Rigid3& kept = window.map().keyframes().front().world_from_camera;
   EXPECT_LT((kept.translation - first.translation).norm(), 1e-9);
   EXPECT_LT(kept.rotation.angularDistance(first.rotation), 1e-9);
-  EXPECT_NEAR(window.map().medianInverseDepth(0, kTruth) / depth, 1.0, 1e-6);
+  EXPECT_NEAR(window.map().typicalInverseDepthAt(0, kTruth) / depth, 1.0, 1e-6);
   EXPECT_NEAR(growth() / true_growth, 1.0, 1e-6);
 }
 

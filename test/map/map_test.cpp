@@ -256,9 +256,9 @@ TEST_F(MapTest, UpdateFromAnOlderSegmentKeepsPointsWhole) {
   }
 }
 
-TEST_F(MapTest, MedianInverseDepth) {
+TEST_F(MapTest, TypicalInverseDepth) {
   Map map(10);
-  EXPECT_EQ(map.medianInverseDepth(0, kCamera), 1.0);
+  EXPECT_EQ(map.typicalInverseDepthAt(0, kCamera), 1.0);
   std::vector<double> depths;
   for (int k = 0; k < 2; ++k) {
     std::vector<Track> tracks;
@@ -270,7 +270,23 @@ TEST_F(MapTest, MedianInverseDepth) {
     depths.push_back(1.0 / (poseAt(1).inverse() * pointAt(id)).norm());
   }
   std::sort(depths.begin(), depths.end());
-  EXPECT_NEAR(map.medianInverseDepth(1, kCamera), depths[3], 1e-9);
+  EXPECT_NEAR(map.typicalInverseDepthAt(1, kCamera), depths[3], 1e-9);
+}
+
+// In rotation on the spot most inverse depths are noise, of either sign.
+TEST_F(MapTest, TypicalInverseDepthIsASize) {
+  Map map(10);
+  for (int k = 0; k < 2; ++k) {
+    std::vector<Track> tracks;
+    for (int id = 0; id < 7; ++id) tracks.push_back(trackOf(id, k, 0));
+    map.addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
+  }
+  Segment segment = map.segmentFrom(0, kCamera);
+  for (Landmark& landmark : segment.landmarks) {
+    landmark.inverse_depth = landmark.track_id < 4 ? -1e-3 : 1e-3;
+  }
+  map.update(segment);
+  EXPECT_NEAR(map.typicalInverseDepthAt(0, kCamera), 1e-3, 1e-9);
 }
 
 TEST_F(MapTest, MedianOfASegment) {

@@ -6,15 +6,12 @@
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/geometry/rigid3.h"
+#include "camera_self_calibration/map/inverse_depth.h"
 
 namespace camera_self_calibration {
 
-/// A pixel of a point whose place is known up to the map's scale: homogeneous, in the world,
-/// `direction + inverse_depth * (origin - camera position)`.
-struct PointView {
-  Eigen::Vector3d direction;  ///< Unit ray in the world.
-  Eigen::Vector3d origin;     ///< Position of the reference keyframe [map unit].
-  double inverse_depth = 0.0;
+/// A pixel of a point whose place is known up to the map's scale.
+struct PointView : WorldPoint {
   Eigen::Vector2d pixel;
   double sigma = 1.0;  ///< [px]
 };

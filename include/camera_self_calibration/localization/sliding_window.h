@@ -104,7 +104,8 @@ class SlidingWindow {
   std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
   std::vector<std::int64_t> tracksAtOdds(const Rigid3& pose,
                                          const std::vector<Track>& tracks) const;
-  double medianInverseDepthOf(const Segment& solution, int k, const Keyframe& keyframe) const;
+  double typicalInverseDepthOf(const std::vector<std::int64_t>& track_ids,
+                               const Keyframe& keyframe) const;
   bool nearTrueCamera(const Keyframe& keyframe) const;
   int conditioningCount() const;
   void takeGeneration(Segment* segment) const;

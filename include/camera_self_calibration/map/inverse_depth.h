@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "camera_self_calibration/geometry/rigid3.h"
@@ -56,6 +57,18 @@ class RayIntersection {
 /// Median size of inverse depths [1/map unit], positive; 1 if there are none. In rotation on the
 /// spot half of them may be negative: a median that loses its sign would let the scale run away.
 double typicalInverseDepth(std::vector<double> inverse_depths);
+
+/// typicalInverseDepth() of a range of WorldPoint as seen from `observer`.
+template <typename Points>
+double typicalInverseDepthFrom(const Eigen::Vector3d& observer, const Points& points) {
+  std::vector<double> inverse_depths;
+  inverse_depths.reserve(points.size());
+  for (const WorldPoint& point : points) inverse_depths.push_back(inverseDistance(point, observer));
+  return typicalInverseDepth(std::move(inverse_depths));
+}
+
+/// Where a landmark of a segment is.
+WorldPoint worldPoint(const Landmark& landmark, const Segment& segment);
 
 /// Those of all landmarks, each in its own reference keyframe [1/map unit].
 std::vector<double> inverseDepths(const Segment& segment);

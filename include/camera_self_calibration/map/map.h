@@ -98,8 +98,12 @@ class Map {
   std::optional<double> inverseDepthFrom(const Rigid3& world_from_camera, const Point& point,
                                          const Camera& camera) const;
 
-  /// Median inverse depth of the points seen in a keyframe, in its own frame; 1 without any.
-  double medianInverseDepth(std::int64_t keyframe_id, const Camera& camera) const;
+  /// Of those tracks that are points with a place.
+  std::vector<WorldPoint> worldPoints(const std::vector<std::int64_t>& track_ids,
+                                      const Camera& camera) const;
+
+  /// typicalInverseDepth() of the points seen in a keyframe, in its own frame.
+  double typicalInverseDepthAt(std::int64_t keyframe_id, const Camera& camera) const;
 
  private:
   Segment segmentOf(int first, int end, const Camera& camera) const;
