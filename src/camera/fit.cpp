@@ -9,6 +9,7 @@
 
 #include "camera_self_calibration/camera/fit_without_k3.h"
 #include "camera_self_calibration/camera/pixel_grid.h"
+#include "camera_self_calibration/camera/rational_polynomial.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -9,6 +9,7 @@
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/fleet/state_solution.h"
+#include "camera_self_calibration/pipeline/learnt_state.h"
 
 namespace camera_self_calibration {
 namespace {

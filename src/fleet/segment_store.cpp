@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/state_file.h"
 
 namespace camera_self_calibration {

@@ -8,7 +8,9 @@
 
 #include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/image_field.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
+#include "camera_self_calibration/queue/queue_solution.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -1,4 +1,4 @@
-#include "camera_self_calibration/queue/queue_policy.h"
+#include "camera_self_calibration/queue/score_kind.h"
 
 namespace camera_self_calibration {
 

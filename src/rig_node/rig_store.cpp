@@ -5,6 +5,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "camera_self_calibration/ros/calibration_url.h"
 #include "camera_self_calibration/tools/rig_files.h"
 #include "camera_self_calibration/tools/rig_state.h"

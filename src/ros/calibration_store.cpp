@@ -10,6 +10,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "camera_self_calibration/ros/calibration_yaml.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/model_conversion.h"

@@ -4,6 +4,7 @@
 
 #include "camera_self_calibration/fleet/state_solution.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 
 namespace camera_self_calibration {
 namespace {

@@ -10,6 +10,7 @@
 
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/fit.h"
+#include "camera_self_calibration/queue/score_kind.h"
 #include "camera_self_calibration/ros/mask_file.h"
 #include "camera_self_calibration/tools/calibration_file.h"
 #include "camera_self_calibration/tools/results_folder.h"

@@ -11,6 +11,7 @@
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "camera_self_calibration/plotting/contribution_chart.h"
 #include "camera_self_calibration/tools/bag_state.h"
 #include "camera_self_calibration/tools/calibration_file.h"

@@ -13,6 +13,7 @@
 #include "benchmark/program_arguments.h"
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/fleet/state_solution.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "camera_self_calibration/queue/candidate_window.h"
 #include "camera_self_calibration/simulation/random.h"
 #include "camera_self_calibration/simulation/segment_maker.h"

@@ -2,6 +2,7 @@
 // a reason.
 
 #include "camera_self_calibration/pipeline/learnt_state.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "fuzz_bytes.h"
 #include "pipeline/byte_stream.h"
 #include "pipeline/checksum.h"

@@ -9,6 +9,7 @@
 #include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/pipeline/front_end.h"
 #include "camera_self_calibration/pipeline/learnt_state.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "lens_change/change_samples.h"
 #include "pipeline/track_run.h"
 #include "sanitized.h"

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "camera_self_calibration/map/segment_edit.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "estimation/sample_segments.h"
 #include "pipeline/checksum.h"
 #include "pipeline/track_run.h"

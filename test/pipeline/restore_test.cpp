@@ -5,6 +5,8 @@
 #include <iostream>
 #include <stdexcept>
 
+#include "camera_self_calibration/pipeline/learnt_state.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "estimation/sample_segments.h"
 #include "pipeline/track_run.h"
 #include "sanitized.h"

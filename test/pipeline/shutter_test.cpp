@@ -6,6 +6,7 @@
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 #include "camera_self_calibration/pipeline/front_end.h"
+#include "camera_self_calibration/pipeline/state_file.h"
 #include "camera_self_calibration/queue/segment_queue.h"
 #include "estimation/sample_segments.h"
 #include "pipeline/track_run.h"

@@ -7,6 +7,7 @@
 #include <Eigen/LU>
 
 #include "camera/sample_cameras.h"
+#include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/tools/bag_state.h"
 #include "camera_self_calibration/tools/report_text.h"
 #include "queue/sample_queues.h"

@@ -13,6 +13,7 @@
 #include "camera_self_calibration/fleet/state_collection.h"
 #include "camera_self_calibration/fleet/state_solution.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
+#include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/state_file.h"
 #include "camera_self_calibration/tools/bag_state.h"
 #include "camera_self_calibration/tools/calibration_file.h"

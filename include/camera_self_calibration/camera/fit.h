@@ -4,9 +4,10 @@
 
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/camera/rational_polynomial.h"
 
 namespace camera_self_calibration {
+
+struct RationalPolynomial;
 
 struct CameraFit {
   Camera camera;

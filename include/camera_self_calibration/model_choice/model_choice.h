@@ -9,18 +9,9 @@
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/camera/image_field.h"
 #include "camera_self_calibration/model_choice/lens_trial.h"
+#include "camera_self_calibration/model_choice/model_report.h"
 
 namespace camera_self_calibration {
-
-/// What speaks against a model, compared with the one in use.
-struct ModelEvidence {
-  std::string model;  ///< LensTrial::name
-  bool chosen = false;
-  /// By how much the model in use explains the observations better: difference of their costs over
-  /// LensKnowledge::variance [nats]; negative where this model is ahead; infinite where it fits
-  /// nothing.
-  double behind = 0.0;
-};
 
 /// exp(nats), for people: how many times as likely something is; "0.14", "12", "10^17", "more than
 /// 10^20".

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -30,20 +29,5 @@ struct LearntState {
   /// Every reason why it cannot be used, in words; empty if it can.
   std::vector<std::string> problems() const;
 };
-
-/// A versioned binary text with a checksum, the same on every machine.
-std::string encode(const LearntState& state);
-
-/// Either a state or, in words, why there is none.
-struct DecodedState {
-  std::shared_ptr<const LearntState> state;
-  std::string error;  ///< Empty if there is a state.
-};
-
-/// Whether these are the first bytes of a state file, be the rest damaged or not.
-bool beginsAsState(const std::string& bytes);
-
-/// Foreign, damaged, cut off or from a newer version: an error, never a crash or a wrong state.
-DecodedState decodeState(const std::string& bytes);
 
 }  // namespace camera_self_calibration

@@ -6,9 +6,8 @@
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
-#include "camera_self_calibration/queue/queue_policy.h"
-#include "camera_self_calibration/tracking/keyframe_rule.h"
-#include "camera_self_calibration/tracking/tracker.h"
+#include "camera_self_calibration/queue/score_kind.h"
+#include "camera_self_calibration/tracking/tracking_options.h"
 
 namespace camera_self_calibration {
 

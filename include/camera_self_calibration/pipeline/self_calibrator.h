@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "camera_self_calibration/map/segment.h"
-#include "camera_self_calibration/pipeline/learnt_state.h"
 #include "camera_self_calibration/pipeline/options.h"
 #include "camera_self_calibration/pipeline/results.h"
 #include "camera_self_calibration/tracking/appearance.h"
@@ -15,6 +14,7 @@
 namespace camera_self_calibration {
 
 struct KeyframeMessage;  // pipeline/front_end.h
+struct LearntState;      // pipeline/state_file.h writes and reads it
 
 /// The newest part of the map, until the keyframe that is handed to the back end: with a rolling
 /// shutter that may be, two images after it was taken. Lives as long as the call.

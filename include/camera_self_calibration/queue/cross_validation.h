@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "camera_self_calibration/camera/image_field.h"
-#include "camera_self_calibration/queue/queue_solution.h"
-
 namespace camera_self_calibration {
+
+class ImageField;
+struct QueueSolution;
 
 /// Two calibrations of one lens from two halves of the queue's segments, which share no image: how
 /// far they are apart, and how far their uncertainties say that they should be. An error that both

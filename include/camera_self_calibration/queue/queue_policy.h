@@ -1,24 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "camera_self_calibration/camera/camera.h"
+#include "camera_self_calibration/queue/score_kind.h"
 
 namespace camera_self_calibration {
-
-/// What makes one segment better than another.
-enum class ScoreKind {
-  kEntropy,  ///< Normalised differential entropy (D-optimality), as in the paper.
-  kPixel     ///< Expected pixel error over the image, rms (I-optimality).
-};
-
-/// "entropy", "pixel".
-std::string toString(ScoreKind kind);
-/// Nothing for any other string.
-std::optional<ScoreKind> scoreKindFromString(const std::string& name);
 
 /// All that the policy looks at: never the queue's own estimate, which would bias the
 /// selection towards it (section II-B).

@@ -1,20 +1,10 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "camera_self_calibration/camera/camera.h"
 #include "camera_self_calibration/tracking/track.h"
+#include "camera_self_calibration/tracking/tracking_options.h"
 
 namespace camera_self_calibration {
-
-struct KeyframeOptions {
-  double min_parallax = 0.01;      ///< Median track motion beyond rotation, per image width.
-  double min_rotation_deg = 5.0;   ///< [deg]
-  double min_tracked_share = 0.7;  ///< Of the last keyframe's tracks; fewer make a keyframe.
-
-  std::vector<std::string> problems() const;
-};
 
 /// Decides from tracks alone whether an image becomes a keyframe: on pixel parallax after removing
 /// the rotation, on rotation, and on tracks lost since the last keyframe. Never on translation in

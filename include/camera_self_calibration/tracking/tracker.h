@@ -3,29 +3,16 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
-#include <optional>
-#include <string>
 #include <vector>
 
 #include "camera_self_calibration/tracking/image_view.h"
 #include "camera_self_calibration/tracking/track.h"
+#include "camera_self_calibration/tracking/tracking_options.h"
 
 namespace camera_self_calibration {
 
 /// Sigma of a good track, at most [px]; a new one is good.
 inline constexpr double kGoodTrackSigma = 0.2;
-
-struct TrackerOptions {
-  /// Good tracks, at most. Those that have become poor, or are not found for some images, are
-  /// followed beside them, as many again at most.
-  int max_features = 128;
-  double min_distance_px = 0.0;  ///< Between features; 0: chosen from image size and count.
-  /// 0 where no feature may be, as on parts of the robot; scaled to the images. None: everywhere.
-  std::optional<ImageView> mask;
-
-  /// Every violated bound in one sentence each; empty if all is well.
-  std::vector<std::string> problems() const;
-};
 
 /// Follows Harris corners from image to image (sections II-A, II-C): pyramidal KLT predicts, then
 /// the patch is registered, with an affine warp, gain and bias, against the image in which the
