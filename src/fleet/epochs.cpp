@@ -8,10 +8,10 @@ namespace {
 
 using Members = std::vector<std::size_t>;  // of a series, in the order of time
 
-// The likeliest to be false of what may have happened in a stretch that is taken for one lens.
+// The likeliest to be false of what may have happened in a period that is taken for one lens.
 struct Finding {
   bool stray = false;
-  std::size_t position = 0;  // in the stretch: the first after a change, or the stray one
+  std::size_t position = 0;  // in the period: the first after a change, or the stray one
   Difference difference;
 
   bool operator<(const Finding& other) const {
@@ -20,7 +20,7 @@ struct Finding {
   }
 };
 
-struct Stretch {
+struct Period {
   std::size_t series;
   Members members;
   Finding finding;
@@ -43,7 +43,7 @@ Finding worstOf(const EstimateSeries& series, const Members& members) {
   const Intrinsics origin = series.estimates[members.front()].value;
   const IntrinsicsMatrix unit = pixelUnit(series.lens);
   const EstimateSum none(origin, unit);
-  // A change elsewhere in the stretch is no scatter that could hide this one.
+  // A change elsewhere in the period is no scatter that could hide this one.
   const double most_tau_squared = successiveScatter(estimatesOf(series, members), unit);
   EstimateSum all = none;
   for (const std::size_t i : members) all.add(series.estimates[i]);
@@ -69,27 +69,26 @@ std::size_t hypotheses(const EstimateSeries& series) {
   return count < 2 ? 0 : 2 * count - 3;
 }
 
-// Replaces the stretch by what is left of it.
+// Replaces the period by what is left of it.
 void apply(const std::vector<EstimateSeries>& cameras, std::size_t index,
-           std::vector<Stretch>* stretches, std::vector<Split>* splits) {
-  Stretch stretch = std::move((*stretches)[index]);
-  stretches->erase(stretches->begin() + static_cast<std::ptrdiff_t>(index));
-  const EstimateSeries& series = cameras[stretch.series];
-  const auto middle =
-      stretch.members.begin() + static_cast<std::ptrdiff_t>(stretch.finding.position);
-  Split& split = (*splits)[stretch.series];
+           std::vector<Period>* periods, std::vector<Split>* splits) {
+  Period period = std::move((*periods)[index]);
+  periods->erase(periods->begin() + static_cast<std::ptrdiff_t>(index));
+  const EstimateSeries& series = cameras[period.series];
+  const auto middle = period.members.begin() + static_cast<std::ptrdiff_t>(period.finding.position);
+  Split& split = (*splits)[period.series];
   std::vector<Members> parts;
-  if (stretch.finding.stray) {
+  if (period.finding.stray) {
     split.stray[*middle] = true;
-    stretch.members.erase(middle);
-    parts = {stretch.members};
+    period.members.erase(middle);
+    parts = {period.members};
   } else {
-    split.changes.push_back({*middle, stretch.finding.difference.p_value});
-    parts = {Members(stretch.members.begin(), middle), Members(middle, stretch.members.end())};
+    split.changes.push_back({*middle, period.finding.difference.p_value});
+    parts = {Members(period.members.begin(), middle), Members(middle, period.members.end())};
   }
   for (Members& members : parts) {
     const Finding finding = worstOf(series, members);
-    stretches->push_back({stretch.series, std::move(members), finding});
+    periods->push_back({period.series, std::move(members), finding});
   }
 }
 
@@ -109,7 +108,7 @@ EpochSplit numbered(Split split) {
 }  // namespace
 
 std::vector<EpochSplit> findEpochs(const std::vector<EstimateSeries>& cameras, double level) {
-  std::vector<Stretch> stretches;
+  std::vector<Period> periods;
   std::vector<Split> splits;
   std::size_t left = 0;
   for (std::size_t c = 0; c < cameras.size(); ++c) {
@@ -119,14 +118,14 @@ std::vector<EpochSplit> findEpochs(const std::vector<EstimateSeries>& cameras, d
     Members members(count);
     for (std::size_t i = 0; i < count; ++i) members[i] = i;
     const Finding finding = worstOf(cameras[c], members);
-    stretches.push_back({c, std::move(members), finding});
+    periods.push_back({c, std::move(members), finding});
   }
   for (; left > 0; --left) {
     const auto worst =
-        std::min_element(stretches.begin(), stretches.end(),
-                         [](const Stretch& a, const Stretch& b) { return a.finding < b.finding; });
+        std::min_element(periods.begin(), periods.end(),
+                         [](const Period& a, const Period& b) { return a.finding < b.finding; });
     if (!(worst->finding.difference.p_value * static_cast<double>(left) < level)) break;
-    apply(cameras, static_cast<std::size_t>(worst - stretches.begin()), &stretches, &splits);
+    apply(cameras, static_cast<std::size_t>(worst - periods.begin()), &periods, &splits);
   }
   std::vector<EpochSplit> result;
   result.reserve(splits.size());

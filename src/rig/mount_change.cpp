@@ -15,23 +15,23 @@ namespace {
 
 // Probability, where nothing changed, from which on what is found is not believed yet.
 constexpr double kDoubt = 1e-2;
-// Probability with which a lens that changed, or a stretch that is wrong, passes for a mount that
-// changed: if one of these is the truth, by how much a mount explains the stretches better is at
+// Probability with which a lens that changed, or a segment that is wrong, passes for a mount that
+// changed: if one of these is the truth, by how much a mount explains the segments better is at
 // most chi-square.
 constexpr double kConfused = 1e-3;
 // Share of a statistic by which likelihoods that are taken as quadratic may be wrong, as far from
 // where they were taken as a change that is as plain as that: two explanations that differ by less
 // explain as well.
 constexpr double kNotQuadratic = 0.05;
-// Shares of a stretch that lie after the change, where it came within a stretch: what such a
-// stretch says lies between the two, by about this share.
+// Shares of a segment that lie after the change, where it came within a segment: what such a
+// segment says lies between the two, by about this share.
 constexpr double kShares[] = {0.0, 0.2, 0.4, 0.6, 0.8};
-// Stretches after one that is wrong, for it to be that and no change.
+// Segments after one that is wrong, for it to be that and no change.
 constexpr std::size_t kLater = 2;
 // Of the largest eigenvalue: what is smaller is not told.
 constexpr double kUntold = 1e-8;
 
-// Since when: `first` is the first stretch wholly after it, the one before it by this share.
+// Since when: `first` is the first segment wholly after it, the one before it by this share.
 struct Onset {
   std::size_t first = 0;
   double share = 0.0;
@@ -75,10 +75,10 @@ struct Explanation {
   int camera = 0;
 };
 
-// All stretches together, with intrinsics and poses at their best.
+// All segments together, with intrinsics and poses at their best.
 class MountAccount {
  public:
-  MountAccount(const std::vector<RigLikelihood>& stretches, const Rig& reference);
+  MountAccount(const std::vector<RigLikelihood>& segments, const Rig& reference);
 
   bool usable() const { return usable_; }
   MountVerdict conclude(double level) const;
@@ -95,7 +95,7 @@ class MountAccount {
   MountChange describe(const Explanation& explanation) const;
   std::int64_t stampOf(const Onset& onset) const;
 
-  const std::vector<RigLikelihood>& stretches_;
+  const std::vector<RigLikelihood>& segments_;
   const Rig& reference_;
   RigChart chart_;
   bool usable_ = false;
@@ -107,12 +107,12 @@ class MountAccount {
   std::vector<Onset> onsets_;
 };
 
-MountAccount::MountAccount(const std::vector<RigLikelihood>& stretches, const Rig& reference)
-    : stretches_(stretches), reference_(reference), chart_(reference) {
+MountAccount::MountAccount(const std::vector<RigLikelihood>& segments, const Rig& reference)
+    : segments_(segments), reference_(reference), chart_(reference) {
   const int n = chart_.size();
   all_ = {Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
-  for (const RigLikelihood& stretch : stretches) {
-    const auto [information, gradient] = chart_.of(stretch);
+  for (const RigLikelihood& segment : segments) {
+    const auto [information, gradient] = chart_.of(segment);
     quadratics_.push_back({information, gradient});
     all_.information += information;
     all_.gradient += gradient;
@@ -120,7 +120,7 @@ MountAccount::MountAccount(const std::vector<RigLikelihood>& stretches, const Ri
     scatter_.chi_square += own.square;
     scatter_.freedom += own.rank;
   }
-  for (std::size_t first = 1; first < stretches.size(); ++first) {
+  for (std::size_t first = 1; first < segments.size(); ++first) {
     for (const double share : kShares) {
       if (share == 0.0 || first > 1) onsets_.push_back({first, share});
     }
@@ -131,12 +131,12 @@ MountAccount::MountAccount(const std::vector<RigLikelihood>& stretches, const Ri
   scatter_.freedom -= together.rank;
   scale_ = all_.information.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
   Eigen::MatrixXd scaled = scale_.asDiagonal() * all_.information * scale_.asDiagonal();
-  scaled.diagonal().array() += kUntold;  // for what no stretch tells
+  scaled.diagonal().array() += kUntold;  // for what no segment tells
   factor_.compute(scaled);
   usable_ = scatter_.freedom > 0 && factor_.info() == Eigen::Success;
 }
 
-// The likelihood ratio of deviations `basis * d` that stretches have by their weights: `once` is
+// The likelihood ratio of deviations `basis * d` that segments have by their weights: `once` is
 // the sum of their likelihoods by the weights, `twice` that of their information by the squares.
 Explanation MountAccount::explain(const Quadratic& once, const Eigen::MatrixXd& twice,
                                   const Eigen::MatrixXd& basis) const {
@@ -183,7 +183,7 @@ Explanation MountAccount::likeliest(const std::vector<Eigen::MatrixXd>& bases) c
   return best;
 }
 
-// One stretch that says something else of any camera; its number is `onset.first`.
+// One segment that says something else of any camera; its number is `onset.first`.
 Explanation MountAccount::outlier() const {
   Explanation best;
   const Eigen::MatrixXd basis = chart_.allPoses();
@@ -217,8 +217,8 @@ double MountAccount::pValue(const Explanation& explanation, double choices) cons
 }
 
 std::int64_t MountAccount::stampOf(const Onset& onset) const {
-  if (onset.share == 0.0) return stretches_[onset.first].begin_ns;
-  const RigLikelihood& mixed = stretches_[onset.first - 1];
+  if (onset.share == 0.0) return segments_[onset.first].begin_ns;
+  const RigLikelihood& mixed = segments_[onset.first - 1];
   const double length = static_cast<double>(mixed.end_ns - mixed.begin_ns);
   return mixed.end_ns - static_cast<std::int64_t>(onset.share * length);
 }
@@ -227,7 +227,7 @@ MountChange MountAccount::describe(const Explanation& explanation) const {
   MountChange change;
   change.camera = reference_.size() == 2 ? 1 : explanation.camera;
   change.onset_ns = stampOf(explanation.onset);
-  change.found_ns = stretches_.back().end_ns;
+  change.found_ns = segments_.back().end_ns;
   const double variance = varianceUnder(explanation);
   // The basis of the first camera moves all others.
   const double sign = change.camera == 0 ? -1.0 : 1.0;
@@ -255,8 +255,8 @@ MountVerdict MountAccount::conclude(double level) const {
   if (mount.statistic - lens.statistic <= margin) verdict.lens = lens.camera;
   const Explanation bad = outlier();
   if (mount.statistic - bad.statistic <= margin) {
-    const auto stretches = static_cast<double>(quadratics_.size());
-    if (bad.onset.first + kLater < quadratics_.size() && pValue(bad, stretches) < level) {
+    const auto segments = static_cast<double>(quadratics_.size());
+    if (bad.onset.first + kLater < quadratics_.size() && pValue(bad, segments) < level) {
       verdict.kind = MountVerdict::Kind::kOutlier;
       verdict.index = bad.onset.first;
     }
@@ -305,14 +305,14 @@ Rig moved(const Rig& rig, const MountChange& change) {
   return result;
 }
 
-MountVerdict judgeMounts(const std::vector<RigLikelihood>& stretches, const Rig& reference,
+MountVerdict judgeMounts(const std::vector<RigLikelihood>& segments, const Rig& reference,
                          double level) {
-  if (stretches.size() < 3) return {};
-  const MountAccount account(stretches, reference);
+  if (segments.size() < 3) return {};
+  const MountAccount account(segments, reference);
   if (!account.usable()) return {};
   MountVerdict verdict = account.conclude(level);
-  verdict.begin_ns = stretches[verdict.index].begin_ns;
-  verdict.end_ns = stretches[verdict.index].end_ns;
+  verdict.begin_ns = segments[verdict.index].begin_ns;
+  verdict.end_ns = segments[verdict.index].end_ns;
   return verdict;
 }
 

@@ -115,12 +115,12 @@ bool explainsAsWell(const SegmentBlock& other, const SegmentBlock& own, const Ca
 
 // What the motion between neighbours tells of a rotation about the axis that it tells least: sum of
 // `|w|^2 I - w w^T`, w the rotation vectors [rad^2].
-double leastTurn(const std::vector<RigFrame>& stretch) {
+double leastTurn(const RigFrames& frames) {
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
-  for (std::size_t f = 1; f < stretch.size(); ++f) {
+  for (std::size_t f = 1; f < frames.size(); ++f) {
     const Eigen::Vector3d w =
-        logSo3(stretch[f - 1].views.front().world_from_camera->rotation.conjugate() *
-               stretch[f].views.front().world_from_camera->rotation);
+        logSo3(frames[f - 1].views.front().world_from_camera->rotation.conjugate() *
+               frames[f].views.front().world_from_camera->rotation);
     information += w.squaredNorm() * Eigen::Matrix3d::Identity() - w * w.transpose();
   }
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(information).eigenvalues()(0);
@@ -137,40 +137,40 @@ void RigCalibrator::add(RigFrame frame) {
   const RigView& first = frame.views.front();
   if (!first.world_from_camera) return;
   forgetAround(frame.stamp_ns);
-  if (stretches_.empty() || static_cast<int>(stretches_.back().size()) >= options_.segment_frames ||
-      stretches_.back().back().views.front().map_id != first.map_id) {
-    stretches_.emplace_back();
+  if (collected_.empty() || static_cast<int>(collected_.back().size()) >= options_.segment_frames ||
+      collected_.back().back().views.front().map_id != first.map_id) {
+    collected_.emplace_back();
   }
-  stretches_.back().push_back(std::move(frame));
-  if (frames() <= options_.max_frames || stretches_.size() < 2) return;
-  const auto turns_less = [](const Stretch& a, const Stretch& b) {
+  collected_.back().push_back(std::move(frame));
+  if (frames() <= options_.max_frames || collected_.size() < 2) return;
+  const auto turns_less = [](const RigFrames& a, const RigFrames& b) {
     return leastTurn(a) < leastTurn(b);
   };
-  stretches_.erase(std::min_element(stretches_.begin(), stretches_.end() - 1, turns_less));
+  collected_.erase(std::min_element(collected_.begin(), collected_.end() - 1, turns_less));
 }
 
 // Nothing is counted twice.
 void RigCalibrator::forgetAround(std::int64_t stamp_ns) {
-  const auto again = [&](const Stretch& stretch) {
-    return stretch.front().stamp_ns <= stamp_ns && stamp_ns <= stretch.back().stamp_ns;
+  const auto again = [&](const RigFrames& frames) {
+    return frames.front().stamp_ns <= stamp_ns && stamp_ns <= frames.back().stamp_ns;
   };
-  stretches_.erase(std::remove_if(stretches_.begin(), stretches_.end(), again), stretches_.end());
+  collected_.erase(std::remove_if(collected_.begin(), collected_.end(), again), collected_.end());
 }
 
 // In the order in which they came: where time jumped back, what came before the jump is older.
 void RigCalibrator::forgetBefore(std::int64_t stamp_ns) {
   std::int64_t next_ns = std::numeric_limits<std::int64_t>::max();
   bool older = false;
-  for (auto stretch = stretches_.rbegin(); stretch != stretches_.rend(); ++stretch) {
-    auto frame = stretch->end();
-    while (!older && frame != stretch->begin()) {
+  for (auto frames = collected_.rbegin(); frames != collected_.rend(); ++frames) {
+    auto frame = frames->end();
+    while (!older && frame != frames->begin()) {
       const std::int64_t own_ns = std::prev(frame)->stamp_ns;
       older = own_ns < stamp_ns || own_ns >= next_ns;
       if (older) break;
       next_ns = own_ns;
       --frame;
     }
-    stretch->erase(stretch->begin(), frame);
+    frames->erase(frames->begin(), frame);
   }
   dropEmpty();
   for (std::deque<RotationPair>& rotations : rotations_) {
@@ -182,15 +182,15 @@ void RigCalibrator::forget(std::int64_t begin_ns, std::int64_t end_ns) {
   const auto between = [&](const RigFrame& frame) {
     return begin_ns <= frame.stamp_ns && frame.stamp_ns <= end_ns;
   };
-  for (Stretch& stretch : stretches_) {
-    stretch.erase(std::remove_if(stretch.begin(), stretch.end(), between), stretch.end());
+  for (RigFrames& frames : collected_) {
+    frames.erase(std::remove_if(frames.begin(), frames.end(), between), frames.end());
   }
   dropEmpty();
 }
 
 void RigCalibrator::dropEmpty() {
-  const auto empty = [](const Stretch& stretch) { return stretch.empty(); };
-  stretches_.erase(std::remove_if(stretches_.begin(), stretches_.end(), empty), stretches_.end());
+  const auto empty = [](const RigFrames& frames) { return frames.empty(); };
+  collected_.erase(std::remove_if(collected_.begin(), collected_.end(), empty), collected_.end());
 }
 
 void RigCalibrator::observe(const RigFrame& frame) {
@@ -216,18 +216,16 @@ void RigCalibrator::compareClocks(RigEstimate* estimate) const {
 
 int RigCalibrator::frames() const {
   return std::accumulate(
-      stretches_.begin(), stretches_.end(), 0,
-      [](int sum, const Stretch& stretch) { return sum + static_cast<int>(stretch.size()); });
+      collected_.begin(), collected_.end(), 0,
+      [](int sum, const RigFrames& frames) { return sum + static_cast<int>(frames.size()); });
 }
 
 // Empty, or why there is none.
 std::string RigCalibrator::start() {
-  std::vector<RigFrame> frames;
-  for (const Stretch& stretch : stretches_) {
-    frames.insert(frames.end(), stretch.begin(), stretch.end());
-  }
+  RigFrames all;
+  for (const RigFrames& frames : collected_) all.insert(all.end(), frames.begin(), frames.end());
   for (int c = 1; c < rig_.size(); ++c) {
-    const HandEye found = handEye(motionPairs(frames, c, options_.motion_interval_s));
+    const HandEye found = handEye(motionPairs(all, c, options_.motion_interval_s));
     if (!(found.rotation_sigma <= kMaxStartSigma)) {
       return formatted(
           "the motion does not tell how camera %d is turned against camera 0: turn the rig about "
@@ -242,10 +240,10 @@ std::string RigCalibrator::start() {
 void RigCalibrator::makeSegments() {
   segments_.clear();
   used_.clear();
-  for (const Stretch& stretch : stretches_) {
-    if (static_cast<int>(stretch.size()) < options_.min_frames) continue;
-    used_.push_back(stretch);
-    segments_.push_back(makeRigSegment(stretch, rig_));
+  for (const RigFrames& frames : collected_) {
+    if (static_cast<int>(frames.size()) < options_.min_frames) continue;
+    used_.push_back(frames);
+    segments_.push_back(makeRigSegment(frames, rig_));
   }
   alignScales();
 }
@@ -253,11 +251,11 @@ void RigCalibrator::makeSegments() {
 // The start holds in the scale of the map with most frames; what lies around is about as far in
 // all.
 void RigCalibrator::alignScales() {
-  const auto map_of = [](const Stretch& stretch) { return stretch.front().views.front().map_id; };
-  std::map<std::uint64_t, std::size_t> frames;
-  for (const Stretch& stretch : used_) frames[map_of(stretch)] += stretch.size();
+  const auto map_of = [](const RigFrames& frames) { return frames.front().views.front().map_id; };
+  std::map<std::uint64_t, std::size_t> counts;
+  for (const RigFrames& frames : used_) counts[map_of(frames)] += frames.size();
   const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
-  const auto most = std::max_element(frames.begin(), frames.end(), fewer);
+  const auto most = std::max_element(counts.begin(), counts.end(), fewer);
   std::map<std::uint64_t, std::vector<double>> inverse_depths;
   for (std::size_t s = 0; s < segments_.size(); ++s) {
     std::vector<double>& of_map = inverse_depths[map_of(used_[s])];
@@ -293,14 +291,14 @@ std::vector<ExpectedAcross> RigCalibrator::expectedIn(const RigSegment& segment,
   return expected;
 }
 
-std::vector<SeenAcross> RigCalibrator::seekIn(const Stretch& stretch,
+std::vector<SeenAcross> RigCalibrator::seekIn(const RigFrames& frames,
                                               const RigSegment& segment) const {
   std::vector<SeenAcross> found;
   for (int f = 0; f < segment.frames(); ++f) {
     for (int from = 0; from < rig_.size(); ++from) {
       for (int to = 0; to < rig_.size(); ++to) {
         if (to == from) continue;
-        for (SeenAcross& one : across_(stretch[f], from, to, expectedIn(segment, f, from, to))) {
+        for (SeenAcross& one : across_(frames[f], from, to, expectedIn(segment, f, from, to))) {
           one.frame = f;
           found.push_back(one);
         }
@@ -385,8 +383,8 @@ void RigCalibrator::addShared(RigEvidence* evidence) const {
   if (counts.empty()) return;
   const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
   evidence->example_ns = std::max_element(counts.begin(), counts.end(), fewer)->first;
-  for (const Stretch& stretch : used_) {
-    for (const RigFrame& frame : stretch) {
+  for (const RigFrames& frames : used_) {
+    for (const RigFrame& frame : frames) {
       if (frame.stamp_ns != evidence->example_ns) continue;
       for (const RigView& view : frame.views) evidence->example.push_back(view.image);
     }

@@ -38,7 +38,7 @@ void eliminate(Eigen::Index begin, Eigen::Index count, Eigen::MatrixXd* informat
 
 RigChart::RigChart(const Rig& reference)
     : reference_(reference), unit_(reference.rig_from_camera[1].translation.norm()) {
-  // A position that is not known tells no direction either; some stretch may.
+  // A position that is not known tells no direction either; some segment may.
   if (!(unit_ > 0.0)) {
     unit_ = 1.0;
     reference_.rig_from_camera[1].translation = Eigen::Vector3d::UnitX();
@@ -83,10 +83,10 @@ Eigen::MatrixXd RigChart::shiftsFromPositions(double scale) const {
 }
 
 // Rotations, then positions, then intrinsics in their units; at the reference's rotations and
-// intrinsics, and the stretch's own positions.
-RigChart::Quadratic RigChart::ordered(const RigLikelihood& stretch) const {
+// intrinsics, and the segment's own positions.
+RigChart::Quadratic RigChart::ordered(const RigLikelihood& segment) const {
   const int cameras = reference_.size();
-  const Eigen::Index total = stretch.gradient.size();
+  const Eigen::Index total = segment.gradient.size();
   Eigen::MatrixXd order = Eigen::MatrixXd::Zero(total, total);
   Eigen::VectorXd off = Eigen::VectorXd::Zero(total);
   for (int c = 1; c < cameras; ++c) {
@@ -94,7 +94,7 @@ RigChart::Quadratic RigChart::ordered(const RigLikelihood& stretch) const {
     order.block<3, 3>(from, rotationAt(c)).setIdentity();
     order.block<3, 3>(from + 3, positionsAt() + rotationAt(c)).setIdentity();
     off.segment<3>(rotationAt(c)) = logSo3(reference_.rig_from_camera[c].rotation *
-                                           stretch.rig.rig_from_camera[c].rotation.conjugate());
+                                           segment.rig.rig_from_camera[c].rotation.conjugate());
   }
   for (int c = 0; c < cameras; ++c) {
     const int at = intrinsics_at_[c] + 1;  // positions have one more here
@@ -102,18 +102,18 @@ RigChart::Quadratic RigChart::ordered(const RigLikelihood& stretch) const {
     const auto n = units.size();
     order.block(at, at, n, n) = units.asDiagonal();
     off.segment(at, n) =
-        (reference_.cameras[c].parameters().head(n) - stretch.rig.cameras[c].parameters().head(n))
+        (reference_.cameras[c].parameters().head(n) - segment.rig.cameras[c].parameters().head(n))
             .cwiseQuotient(units);
   }
   Quadratic result;
-  result.first = order.transpose() * stretch.information * order;
-  result.second = order.transpose() * stretch.gradient - result.first * off;
+  result.first = order.transpose() * segment.information * order;
+  result.second = order.transpose() * segment.gradient - result.first * off;
   return result;
 }
 
-// The scale at which the reference's positions fit the stretch's best, with rotations left open;
+// The scale at which the reference's positions fit the segment's best, with rotations left open;
 // nothing where it is not told.
-std::optional<double> RigChart::scaleOf(const RigLikelihood& stretch,
+std::optional<double> RigChart::scaleOf(const RigLikelihood& segment,
                                         const Eigen::MatrixXd& information) const {
   const Eigen::Index turns = positionsAt();
   Eigen::MatrixXd whole = information;
@@ -122,19 +122,19 @@ std::optional<double> RigChart::scaleOf(const RigLikelihood& stretch,
   const Eigen::MatrixXd own = whole.block(turns, turns, turns, turns);
   const Eigen::VectorXd reference = positions(reference_);
   const double square = reference.dot(own * reference);
-  const double scale = reference.dot(own * positions(stretch.rig)) / square;
+  const double scale = reference.dot(own * positions(segment.rig)) / square;
   if (!(scale > 0.0 && scale * std::sqrt(square) > kSignificant)) return std::nullopt;
   return scale;
 }
 
-RigChart::Quadratic RigChart::of(const RigLikelihood& stretch) const {
+RigChart::Quadratic RigChart::of(const RigLikelihood& segment) const {
   const Eigen::Index turns = positionsAt();
   const Eigen::Index poses = 2 * turns;
-  const Eigen::Index total = stretch.gradient.size();
-  auto [information, gradient] = ordered(stretch);
-  if (const auto scale = scaleOf(stretch, information)) {
+  const Eigen::Index total = segment.gradient.size();
+  auto [information, gradient] = ordered(segment);
+  if (const auto scale = scaleOf(segment, information)) {
     gradient -= information.middleCols(turns, turns) *
-                (*scale * positions(reference_) - positions(stretch.rig));
+                (*scale * positions(reference_) - positions(segment.rig));
     Eigen::MatrixXd chart = Eigen::MatrixXd::Identity(total, total);
     chart.block(turns, turns, turns, turns) = shiftsFromPositions(*scale);
     information = (chart.transpose() * information * chart).eval();

@@ -9,7 +9,7 @@
 
 namespace camera_self_calibration {
 
-// Coordinates of a rig near a reference, in which stretches of video compare whatever their scales:
+// Coordinates of a rig near a reference, in which segments of video compare whatever their scales:
 // of each camera but the first the rotation vector in the rig's frame [rad], then the positions in
 // distances between the first two cameras (two across the second camera's direction, three of each
 // further one), then the intrinsics of all cameras, focal lengths and centres in focal lengths.
@@ -21,9 +21,9 @@ class RigChart {
 
   int size() const { return intrinsics_at_.back(); }
 
-  // Information and gradient of a stretch's log-likelihood at the reference. Positions that it does
+  // Information and gradient of a segment's log-likelihood at the reference. Positions that it does
   // not tell, by sigmas as large as themselves, are left open.
-  Quadratic of(const RigLikelihood& stretch) const;
+  Quadratic of(const RigLikelihood& segment) const;
 
   // How the coordinates change when one camera moves: rotation vector in the rig's frame [rad] and
   // shift, in the reference's unit. Of two cameras that of the second alone; of more the first is
@@ -35,14 +35,14 @@ class RigChart {
   std::vector<Eigen::MatrixXd> lensBases() const;
 
  private:
-  Quadratic ordered(const RigLikelihood& stretch) const;
-  std::optional<double> scaleOf(const RigLikelihood& stretch,
+  Quadratic ordered(const RigLikelihood& segment) const;
+  std::optional<double> scaleOf(const RigLikelihood& segment,
                                 const Eigen::MatrixXd& information) const;
   int rotationAt(int camera) const { return 3 * (camera - 1); }
   int positionsAt() const { return 3 * (reference_.size() - 1); }
   // Of the coordinates of positions by the positions themselves, 3 a camera but the first.
   Eigen::MatrixXd positionsFromShifts() const;
-  // Of the positions in a stretch by the coordinates and, last, the logarithm of its scale.
+  // Of the positions in a segment by the coordinates and, last, the logarithm of its scale.
   Eigen::MatrixXd shiftsFromPositions(double scale) const;
   Eigen::VectorXd positions(const Rig& rig) const;
 

@@ -166,7 +166,7 @@ RigReport RigSession::solve() {
   return report();
 }
 
-// Once more without the stretch that is found to be wrong, if there is one.
+// Once more without the segment that is found to be wrong, if there is one.
 RigEstimate RigSession::solveFirst(Lock* lock) {
   const std::uint64_t epoch = report_.epoch;
   const RigEstimate estimate = solveJointly(lock);
@@ -194,21 +194,21 @@ RigEstimate RigSession::solveJointly(Lock* lock) {
   return estimate;
 }
 
-// Whether a mount changed. The stretches are solved with each camera's own intrinsics: joint ones
+// Whether a mount changed. The segments are solved with each camera's own intrinsics: joint ones
 // may be from before.
 MountVerdict::Kind RigSession::examine(const KnownRig& known, Lock* lock) {
   Rig rig = known.rig;
   for (std::size_t c = 0; c < lenses_.size(); ++c) rig.cameras[c] = lenses_[c].camera;
   const std::uint64_t epoch = report_.epoch;
-  const std::deque<MountWatch::Stretch> waiting = watch_.takeWaiting();
-  const MountWatch::Stretch newest = watch_.newestTells() ? watch_.newest() : MountWatch::Stretch();
+  const std::deque<RigFrames> waiting = watch_.takeWaiting();
+  const RigFrames newest = watch_.newestTells() ? watch_.newest() : RigFrames();
   lock->unlock();
-  const auto likelihood = [&](const MountWatch::Stretch& stretch) {
-    return MountWatch::likelihood(stretch, options_, across_, rig, known.inverse_depth);
+  const auto likelihood = [&](const RigFrames& frames) {
+    return MountWatch::likelihood(frames, options_, across_, rig, known.inverse_depth);
   };
   std::vector<RigLikelihood> told;
-  for (const MountWatch::Stretch& stretch : waiting) {
-    if (auto one = likelihood(stretch)) told.push_back(std::move(*one));
+  for (const RigFrames& frames : waiting) {
+    if (auto one = likelihood(frames)) told.push_back(std::move(*one));
   }
   const auto newest_told = newest.empty() ? std::nullopt : likelihood(newest);
   lock->lock();

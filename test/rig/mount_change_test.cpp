@@ -31,27 +31,27 @@ Rig rigOf(int cameras) {
   return rig;
 }
 
-// What is seen of a rig in short stretches of video: its poses and lenses with errors of a random
+// What is seen of a rig in short segments of video: its poses and lenses with errors of a random
 // covariance, in a map of random scale.
-class Stretches {
+class SegmentsOfVideo {
  public:
-  explicit Stretches(std::uint64_t seed) : random_(seed) {}
+  explicit SegmentsOfVideo(std::uint64_t seed) : random_(seed) {}
 
   const std::vector<RigLikelihood>& list() const { return list_; }
 
   void see(const Rig& truth, int count, double stated = 1.0) {
-    for (int i = 0; i < count; ++i) list_.push_back(stretchOf(truth, stated));
+    for (int i = 0; i < count; ++i) list_.push_back(segmentOf(truth, stated));
   }
 
  private:
   // Poses to 0.05 degrees and 5 mm, lenses to a pixel and 0.01, all correlated.
-  RigLikelihood stretchOf(const Rig& truth, double stated) {
-    RigLikelihood stretch;
-    stretch.begin_ns = 1'000'000'000LL * static_cast<std::int64_t>(list_.size());
-    stretch.end_ns = stretch.begin_ns + 900'000'000LL;
-    stretch.rig = truth;
+  RigLikelihood segmentOf(const Rig& truth, double stated) {
+    RigLikelihood segment;
+    segment.begin_ns = 1'000'000'000LL * static_cast<std::int64_t>(list_.size());
+    segment.end_ns = segment.begin_ns + 900'000'000LL;
+    segment.rig = truth;
     const double scale = random_.uniform(0.5, 2.0);
-    for (Rigid3& pose : stretch.rig.rig_from_camera) pose.translation *= scale;
+    for (Rigid3& pose : segment.rig.rig_from_camera) pose.translation *= scale;
     const RigLayout layout(truth, {});
     Eigen::VectorXd sigmas(layout.size);
     for (int c = 0; c < truth.size(); ++c) {
@@ -67,18 +67,18 @@ class Stretches {
     Eigen::VectorXd error(n);
     for (int i = 0; i < n; ++i) error(i) = random_.normal();
     error = half * error;
-    stretch.information = stated * (half * half.transpose()).inverse();
-    stretch.gradient = Eigen::VectorXd::Zero(n);
+    segment.information = stated * (half * half.transpose()).inverse();
+    segment.gradient = Eigen::VectorXd::Zero(n);
     for (int c = 0; c < truth.size(); ++c) {
-      Intrinsics p = stretch.rig.cameras[c].parameters();
+      Intrinsics p = segment.rig.cameras[c].parameters();
       p += error.segment<8>(layout.intrinsics_at[c]);
-      stretch.rig.cameras[c].setParameters(p);
+      segment.rig.cameras[c].setParameters(p);
       if (c == 0) continue;
-      Rigid3& pose = stretch.rig.rig_from_camera[c];
+      Rigid3& pose = segment.rig.rig_from_camera[c];
       pose.rotation = expSo3(error.segment<3>(layout.pose_at[c])) * pose.rotation;
       pose.translation += error.segment<3>(layout.pose_at[c] + 3);
     }
-    return stretch;
+    return segment;
   }
 
   Random random_;
@@ -97,9 +97,9 @@ TEST(JudgeMounts, NothingChangesByChance) {
   int doubts = 0;
   for (int trial = 0; trial < kTrials; ++trial) {
     const Rig rig = rigOf(2 + trial % 2);
-    Stretches stretches(static_cast<std::uint64_t>(trial));
-    stretches.see(rig, 3 + trial % 7);
-    const MountVerdict verdict = judgeMounts(stretches.list(), rig, 1e-3);
+    SegmentsOfVideo segments(static_cast<std::uint64_t>(trial));
+    segments.see(rig, 3 + trial % 7);
+    const MountVerdict verdict = judgeMounts(segments.list(), rig, 1e-3);
     EXPECT_NE(verdict.kind, MountVerdict::Kind::kChange) << trial;
     doubts += verdict.kind != MountVerdict::Kind::kSame;
   }
@@ -107,13 +107,13 @@ TEST(JudgeMounts, NothingChangesByChance) {
   EXPECT_LT(doubts, 12);
 }
 
-// Sigmas that are stated too small by three: what stretches scatter anyway is no change.
+// Sigmas that are stated too small by three: what segments scatter anyway is no change.
 TEST(JudgeMounts, ScatterIsNoChange) {
   int alarms = 0;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
-    Stretches stretches(seed);
-    stretches.see(rigOf(2), 8, 9.0);
-    alarms += judgeMounts(stretches.list(), rigOf(2), 1e-4).kind == MountVerdict::Kind::kChange;
+    SegmentsOfVideo segments(seed);
+    segments.see(rigOf(2), 8, 9.0);
+    alarms += judgeMounts(segments.list(), rigOf(2), 1e-4).kind == MountVerdict::Kind::kChange;
   }
   EXPECT_EQ(alarms, 0);
 }
@@ -131,10 +131,10 @@ TEST(JudgeMounts, OfThreeTheCameraThatMovedIsNamed) {
   const Eigen::Vector3d degrees(0.3, -0.2, 0.4);
   for (int camera = 0; camera < 3; ++camera) {
     const Rig rig = rigOf(3);
-    Stretches stretches(7);
-    stretches.see(rig, 4);
-    stretches.see(moved(rig, turnOf(camera, degrees)), 4);
-    const MountVerdict verdict = judgeMounts(stretches.list(), rig, kLevel);
+    SegmentsOfVideo segments(7);
+    segments.see(rig, 4);
+    segments.see(moved(rig, turnOf(camera, degrees)), 4);
+    const MountVerdict verdict = judgeMounts(segments.list(), rig, kLevel);
     ASSERT_EQ(verdict.kind, MountVerdict::Kind::kChange) << camera;
     EXPECT_EQ(verdict.index, 4u);
     EXPECT_EQ(verdict.begin_ns, 4'000'000'000LL);
@@ -145,10 +145,10 @@ TEST(JudgeMounts, OfThreeTheCameraThatMovedIsNamed) {
 
 TEST(JudgeMounts, OfTwoTheSecondIsNamed) {
   const Rig rig = rigOf(2);
-  Stretches stretches(7);
-  stretches.see(rig, 2);
-  stretches.see(moved(rig, turnOf(1, {0.0, 0.5, 0.0})), 3);
-  const MountVerdict verdict = judgeMounts(stretches.list(), rig, kLevel);
+  SegmentsOfVideo segments(7);
+  segments.see(rig, 2);
+  segments.see(moved(rig, turnOf(1, {0.0, 0.5, 0.0})), 3);
+  const MountVerdict verdict = judgeMounts(segments.list(), rig, kLevel);
   ASSERT_EQ(verdict.kind, MountVerdict::Kind::kChange);
   expectTurn(verdict.change, 1, {0.0, 0.5, 0.0});
 }
@@ -157,10 +157,10 @@ TEST(JudgeMounts, AShiftAcrossTheBaselineIsTold) {
   const Rig rig = rigOf(2);
   MountChange shift;
   shift.shift = {0.0, 0.03, 0.0};
-  Stretches stretches(3);
-  stretches.see(rig, 5);
-  stretches.see(moved(rig, shift), 5);
-  const MountVerdict verdict = judgeMounts(stretches.list(), rig, kLevel);
+  SegmentsOfVideo segments(3);
+  segments.see(rig, 5);
+  segments.see(moved(rig, shift), 5);
+  const MountVerdict verdict = judgeMounts(segments.list(), rig, kLevel);
   ASSERT_EQ(verdict.kind, MountVerdict::Kind::kChange);
   EXPECT_TRUE(verdict.change.shift_known);
   EXPECT_NEAR((verdict.change.shift - shift.shift).norm(), 0.0, 0.01);
@@ -170,13 +170,13 @@ TEST(JudgeMounts, AShiftAcrossTheBaselineIsTold) {
 
 TEST(JudgeMounts, OneStretchThatIsWrongIsNoChange) {
   const Rig rig = rigOf(2);
-  Stretches stretches(5);
-  stretches.see(rig, 4);
-  stretches.see(moved(rig, turnOf(1, {0.0, 0.5, 0.0})), 1);
+  SegmentsOfVideo segments(5);
+  segments.see(rig, 4);
+  segments.see(moved(rig, turnOf(1, {0.0, 0.5, 0.0})), 1);
   // It may be the first after a change.
-  EXPECT_EQ(judgeMounts(stretches.list(), rig, kLevel).kind, MountVerdict::Kind::kDoubt);
-  stretches.see(rig, 3);
-  const MountVerdict verdict = judgeMounts(stretches.list(), rig, kLevel);
+  EXPECT_EQ(judgeMounts(segments.list(), rig, kLevel).kind, MountVerdict::Kind::kDoubt);
+  segments.see(rig, 3);
+  const MountVerdict verdict = judgeMounts(segments.list(), rig, kLevel);
   EXPECT_EQ(verdict.kind, MountVerdict::Kind::kOutlier);
   EXPECT_EQ(verdict.index, 4u);
 }
@@ -186,19 +186,19 @@ TEST(JudgeMounts, ALensThatChangedIsNoMount) {
   Rig zoomed = rig;
   zoomed.cameras[1] = lens(414.1);
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
-    Stretches stretches(seed);
-    stretches.see(rig, 4);
-    stretches.see(zoomed, 4);
-    EXPECT_NE(judgeMounts(stretches.list(), rig, kLevel).kind, MountVerdict::Kind::kChange);
+    SegmentsOfVideo segments(seed);
+    segments.see(rig, 4);
+    segments.see(zoomed, 4);
+    EXPECT_NE(judgeMounts(segments.list(), rig, kLevel).kind, MountVerdict::Kind::kChange);
   }
 }
 
 TEST(JudgeMounts, TwoStretchesTellNothing) {
   const Rig rig = rigOf(2);
-  Stretches stretches(1);
-  stretches.see(rig, 1);
-  stretches.see(moved(rig, turnOf(1, {0.0, 5.0, 0.0})), 1);
-  EXPECT_EQ(judgeMounts(stretches.list(), rig, kLevel).kind, MountVerdict::Kind::kSame);
+  SegmentsOfVideo segments(1);
+  segments.see(rig, 1);
+  segments.see(moved(rig, turnOf(1, {0.0, 5.0, 0.0})), 1);
+  EXPECT_EQ(judgeMounts(segments.list(), rig, kLevel).kind, MountVerdict::Kind::kSame);
 }
 
 // As many parameters that mean something else.
@@ -207,10 +207,10 @@ TEST(MountWatch, StretchesUnderDifferentLensModelsAreNotCompared) {
   Rig other = moved(rig, turnOf(1, {0.0, 0.5, 0.0}));
   other.cameras[1] = Camera(CameraModel::kRadtan, 640, 480, other.cameras[1].parameters());
   ASSERT_EQ(other.cameras[1].estimatedCount(), rig.cameras[1].estimatedCount());
-  Stretches stretches(7);
-  stretches.see(rig, 3);
-  stretches.see(other, 2);
-  const std::vector<RigLikelihood>& list = stretches.list();
+  SegmentsOfVideo segments(7);
+  segments.see(rig, 3);
+  segments.see(other, 2);
+  const std::vector<RigLikelihood>& list = segments.list();
   MountWatch watch{RigOptions()};
   for (std::size_t i = 0; i < 3; ++i) watch.learn(list[i]);
   EXPECT_EQ(watch.judge(list[3], other).kind, MountVerdict::Kind::kSame);

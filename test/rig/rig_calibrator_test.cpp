@@ -146,7 +146,7 @@ TEST(RigCalibrator, RotationOnTheSpotDoesNotTellThePosition) {
   expectRotation(estimate, rig, 1, 0.5 * kDegree);
 }
 
-TEST(RigCalibrator, KeepsTheStretchesThatTurn) {
+TEST(RigCalibrator, KeepsTheSegmentsThatTurn) {
   RigOptions options;
   options.segment_frames = 10;
   options.max_frames = 20;

@@ -29,7 +29,7 @@ struct EpochSplit {
   int epochs() const { return static_cast<int>(changes.size()) + 1; }
 };
 
-/// Splits each series into stretches of one lens. Between any two neighbours the lens may have
+/// Splits each series into periods of one lens. Between any two neighbours the lens may have
 /// changed, and any but the first and last may be a stray one: as many hypotheses, over all series,
 /// of which the likeliest to be false is rejected, and the next looked for in what is left, as long
 /// as Holm's limit allows. Of fleets in which nothing ever changed, the share `level` shows a

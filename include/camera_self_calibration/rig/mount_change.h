@@ -16,7 +16,7 @@ struct MountChange {
   /// The one whose move alone explains most; of two cameras always the second, since nothing tells
   /// which of them moved.
   int camera = 1;
-  std::int64_t onset_ns = 0;  ///< When, dated within a stretch by what that says between the two.
+  std::int64_t onset_ns = 0;  ///< When, dated within a segment by what that says between the two.
   std::int64_t found_ns = 0;  ///< Stamp of the newest keyframe that told it.
   /// By how much it was turned: a rotation vector in the rig's frame as it was before [rad].
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();
@@ -42,32 +42,32 @@ struct MountChange {
 /// The rig after a change.
 Rig moved(const Rig& rig, const MountChange& change);
 
-/// What several stretches of video, in the order of time, say together of whether the cameras still
+/// What several segments of video, in the order of time, say together of whether the cameras still
 /// sit where they did.
 struct MountVerdict {
   enum class Kind {
     kSame,     ///< Nothing speaks against it.
-    kDoubt,    ///< Not decided: what is found from these stretches is not to be believed yet.
-    kOutlier,  ///< The stretch `index` contradicts those before and those after it.
-    kChange    ///< A mount changed; the stretch `index` is the first wholly after it.
+    kDoubt,    ///< Not decided: what is found from these segments is not to be believed yet.
+    kOutlier,  ///< The segment `index` contradicts those before and those after it.
+    kChange    ///< A mount changed; the segment `index` is the first wholly after it.
   };
   Kind kind = Kind::kSame;
   bool certain = false;     ///< Something changed, by more than chance is allowed.
   std::optional<int> lens;  ///< Camera whose lens, if it changed, would explain it as well.
   std::size_t index = 0;
-  std::int64_t begin_ns = 0;  ///< Of the stretch `index`,
+  std::int64_t begin_ns = 0;  ///< Of the segment `index`,
   std::int64_t end_ns = 0;    ///< to its last keyframe.
   MountChange change;         ///< The likeliest, but for kSame.
 };
 
-/// Compares the stretches as quadratic log-likelihoods of poses and intrinsics, all intrinsics free
-/// and common to all stretches. A change is a likelihood ratio of poses of one camera that differ
+/// Compares the segments as quadratic log-likelihoods of poses and intrinsics, all intrinsics free
+/// and common to all segments. A change is a likelihood ratio of poses of one camera that differ
 /// before and since a moment, against poses that stay; both sides' covariances are in it. It is
-/// chi-square if nothing changed, and F by how far the stretches scatter anyway. The smallest over
-/// all moments and cameras counts, times their number (Bonferroni). A change that one stretch that
+/// chi-square if nothing changed, and F by how far the segments scatter anyway. The smallest over
+/// all moments and cameras counts, times their number (Bonferroni). A change that one segment that
 /// is wrong, or a lens that changed, would explain as well is no change. `level`: probability of
 /// one by chance, here.
-MountVerdict judgeMounts(const std::vector<RigLikelihood>& stretches, const Rig& reference,
+MountVerdict judgeMounts(const std::vector<RigLikelihood>& segments, const Rig& reference,
                          double level);
 
 }  // namespace camera_self_calibration

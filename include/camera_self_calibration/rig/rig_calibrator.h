@@ -19,9 +19,9 @@ struct RigOptions {
   /// Motions over about this time start the poses: long enough to turn by more than poses are off.
   double motion_interval_s = 1.0;
   int segment_frames = 60;  ///< Keyframes of a segment at most.
-  int min_frames = 8;       ///< A stretch of fewer tells nothing that is worth it.
+  int min_frames = 8;       ///< A segment of fewer tells nothing that is worth it.
   int max_frames = 240;     ///< Kept, with their images: bounds time and memory.
-  /// Keyframes of a stretch that is asked by itself where the cameras sit (MountWatch): few, to
+  /// Keyframes of a segment that is asked by itself where the cameras sit (MountWatch): few, to
   /// tell soon that one was moved, but enough for some motion.
   int mount_frames = 10;
   /// Alarms per hour that a camera was moved while none was; 0: never any alarm.
@@ -41,7 +41,7 @@ class RigCalibrator {
   RigCalibrator(RigOptions options, int cameras, FindAcross across);
 
   /// Keyframes in the order of time, one view for each camera. Where there are too many, the
-  /// stretch of `segment_frames` goes in which the rig turned least; where time jumped back, as in
+  /// segment of `segment_frames` goes in which the rig turned least; where time jumped back, as in
   /// a bag that is played again, those that are seen again.
   void add(RigFrame frame);
   /// All images, keyframes or not, with poses: whether the cameras' clocks agree. Tracks and images
@@ -64,8 +64,6 @@ class RigCalibrator {
   std::optional<RigLikelihood> likelihood(const Rig& start, double inverse_depth);
 
  private:
-  using Stretch = std::vector<RigFrame>;
-
   void forgetAround(std::int64_t stamp_ns);
   void dropEmpty();
   std::string start();
@@ -75,7 +73,7 @@ class RigCalibrator {
   void seekAcross();
   std::vector<ExpectedAcross> expectedIn(const RigSegment& segment, int frame, int from,
                                          int to) const;
-  std::vector<SeenAcross> seekIn(const Stretch& stretch, const RigSegment& segment) const;
+  std::vector<SeenAcross> seekIn(const RigFrames& frames, const RigSegment& segment) const;
   bool solve();
   bool solveRoughly();
   std::string refine();
@@ -85,8 +83,8 @@ class RigCalibrator {
 
   RigOptions options_;
   FindAcross across_;
-  std::vector<Stretch> stretches_;                   // each of one map of the first camera
-  std::vector<Stretch> used_;                        // those that are long enough
+  std::vector<RigFrames> collected_;                 // each of one map of the first camera
+  std::vector<RigFrames> used_;                      // those that are long enough
   std::vector<RigSegment> segments_;                 // one for each of them
   std::vector<std::deque<RotationPair>> rotations_;  // of each camera against the first
   Rig rig_;

@@ -25,6 +25,9 @@ struct RigFrame {
   std::vector<RigView> views;  ///< One for each camera.
 };
 
+/// In the order of time, of one map of the first camera: what a segment is made of.
+using RigFrames = std::vector<RigFrame>;
+
 /// A feature of one camera's track as another camera sees it at the same time.
 struct SeenAcross {
   int frame = 0;  ///< Index into the frames of a segment.
@@ -35,7 +38,7 @@ struct SeenAcross {
   double sigma = 1.0;  ///< Per axis [px].
 };
 
-/// A stretch of the rig's way that stands for itself: what Segment is for one camera. Poses are the
+/// A segment of the rig's way that stands for itself: what Segment is for one camera. Poses are the
 /// rig's; the tracks of each camera are a Segment of their own over the images of all cameras
 /// (RigViews), so that another camera's view of a landmark is an observation like any other.
 struct RigSegment {

@@ -58,9 +58,9 @@ struct RigLayout {
 std::optional<Eigen::MatrixXd> rigCovariance(const RigSolveOptions& options,
                                              std::vector<RigSegment>* segments, Rig* rig);
 
-/// What a stretch of the rig's way says of the rig: the log-likelihood as a quadratic at `rig`, the
+/// What a segment of the rig's way says of the rig: the log-likelihood as a quadratic at `rig`, the
 /// way and all landmarks at their best for it. Layout and gauge are those of rigCovariance with
-/// intrinsics that are estimated for all cameras; what the stretch does not tell has no
+/// intrinsics that are estimated for all cameras; what the segment does not tell has no
 /// information.
 struct RigLikelihood {
   std::int64_t begin_ns = 0;
