@@ -10,8 +10,8 @@ namespace camera_self_calibration {
 namespace {
 
 // rho^2 H_rhorho of the `wanted` landmarks: (rho / conditional sigma of rho)^2.
-std::vector<double> depthInformation(const Segment& segment, const Camera& camera,
-                                     const std::vector<char>& wanted) {
+std::vector<double> inverseDepthInformation(const Segment& segment, const Camera& camera,
+                                            const std::vector<char>& wanted) {
   std::vector<double> information(segment.landmarks.size(), 0.0);
   Transfers transfers(segment);
   for (const Observation& observation : segment.observations) {
@@ -48,7 +48,7 @@ SegmentBlock freeBlock(Segment* segment, const Camera& camera) {
     const int views = counts[l] - (segment->landmarks[l].anchored ? 0 : 1);
     seen_most[l] = views + 1 >= most;
   }
-  const std::vector<double> information = depthInformation(*segment, camera, seen_most);
+  const std::vector<double> information = inverseDepthInformation(*segment, camera, seen_most);
   double best = -1.0;
   for (std::size_t l = 0; l < counts.size(); ++l) {
     if (seen_most[l] == 0 || information[l] <= best) continue;

@@ -149,16 +149,16 @@ void LinearSegment::addObservations(const SegmentBlock& block, const Camera& cam
   for (std::size_t p = 0; p < structure_.pairs.size(); ++p) {
     expandPair<kTail>(block.fixed_keyframes, p);
   }
-  addDepthPrior(segment, block.depth_prior);
+  addInverseDepthPrior(segment, block.inverse_depth_prior);
 }
 
-void LinearSegment::addDepthPrior(const Segment& segment, const DepthPrior& prior) {
+void LinearSegment::addInverseDepthPrior(const Segment& segment, const InverseDepthPrior& prior) {
   const double weight = prior.weight();
   if (weight == 0.0) return;
   cost_ += prior.cost(segment);
   for (std::size_t l = 0; l < structure_.landmarks.size(); ++l) {
     const SegmentStructure::LandmarkPlace& place = structure_.landmarks[l];
-    if (place.depth_fixed) continue;
+    if (place.inverse_depth_fixed) continue;
     landmark_hessian_[l](0, 0) += weight;
     double* tail = couplings_.data() + coupling_begin_[l] + 6 * place.entries * place.dimension;
     tail[tail_ - 1] += weight * (prior.mean - segment.landmarks[l].inverse_depth);
@@ -219,7 +219,7 @@ void LinearSegment::addToLandmark(const SegmentStructure::ObservationPlace& plac
                                   const Row<kTail>& row) {
   const SegmentStructure::LandmarkPlace& landmark_place = structure_.landmarks[landmark];
   Eigen::Matrix<double, kDimension, 2> own = row.landmark.template topRows<kDimension>();
-  if (landmark_place.depth_fixed) {
+  if (landmark_place.inverse_depth_fixed) {
     held_landmark_.template topLeftCorner<kDimension, kDimension>() +=
         own.lazyProduct(own.transpose());
     own.row(0).setZero();

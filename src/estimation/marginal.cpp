@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "camera_self_calibration/base/parallel.h"
-#include "camera_self_calibration/estimation/depth_noise.h"
+#include "camera_self_calibration/estimation/inverse_depth_noise.h"
 #include "camera_self_calibration/estimation/linear_segments.h"
 
 namespace camera_self_calibration {
@@ -18,7 +18,7 @@ double Marginal::residualScale() const {
   return freedom > 0 ? std::sqrt(2.0 * cost / freedom) : 1.0;
 }
 
-Marginal marginalize(const Problem& problem, double huber, int threads, DepthNoise noise) {
+Marginal marginalize(const Problem& problem, double huber, int threads, InverseDepthNoise noise) {
   const int blocks = static_cast<int>(problem.blocks.size());
   const int count = problem.intrinsicsCount();
   LinearSegments linear(problem.blocks.size());
@@ -27,8 +27,9 @@ Marginal marginalize(const Problem& problem, double huber, int threads, DepthNoi
     linear[i].linearize(problem.blocks[i], *problem.camera, count, huber, true);
     // Eq. (4): the inverse's block of the intrinsics is the inverse of what elimination leaves
     linear[i].eliminate(0.0);
-    reduced[i] = noise == DepthNoise::kCounts ? reducedInformation(linear[i])
-                                              : discountedInformation(problem.blocks[i], linear[i]);
+    reduced[i] = noise == InverseDepthNoise::kCounts
+                     ? reducedInformation(linear[i])
+                     : discountedInformation(problem.blocks[i], linear[i]);
   });
   Marginal marginal;
   marginal.information.setZero(count, count);

@@ -27,7 +27,7 @@ Eigen::Vector2d aspectRow(const Intrinsics& parameters, double sigma) {
 
 }  // namespace
 
-double DepthPrior::cost(const Segment& segment) const {
+double InverseDepthPrior::cost(const Segment& segment) const {
   if (weight() == 0.0) return 0.0;
   double sum = 0.0;
   for (const Landmark& landmark : segment.landmarks) {

@@ -7,7 +7,7 @@ namespace camera_self_calibration {
 double robustCost(const SegmentBlock& block, const Camera& camera, double huber,
                   Transfers* transfers) {
   const Segment& segment = *block.segment;
-  double cost = block.depth_prior.cost(segment);
+  double cost = block.inverse_depth_prior.cost(segment);
   predictObservations(segment, camera, transfers, [&](std::size_t o, const Eigen::Vector2d* pixel) {
     const Observation& observation = segment.observations[o];
     const double sigma = observation.sigma * block.sigma_scale;

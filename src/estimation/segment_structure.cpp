@@ -55,7 +55,7 @@ void SegmentStructure::placeLandmarks(const SegmentBlock& block) {
     LandmarkPlace& place = landmarks[l];
     place = LandmarkPlace();
     place.dimension = segment.landmarks[l].anchored ? 1 : 3;
-    place.depth_fixed = static_cast<int>(l) == block.fixed_landmark;
+    place.inverse_depth_fixed = static_cast<int>(l) == block.fixed_landmark;
     place.reference_free = segment.landmarks[l].reference >= block.fixed_keyframes;
     place.row = landmark_rows;
     landmark_rows += place.rows();

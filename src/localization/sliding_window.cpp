@@ -110,9 +110,10 @@ void SlidingWindow::solveUnconditioned() {
   const Rigid3 pose = newestPose();
   const double inverse_depth = typicalInverseDepthAt(newest(segment), segment);
   Problem problem{&camera_, false, {freeBlock(&segment, camera_)}};
-  problem.blocks[0].depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};
+  problem.blocks[0].inverse_depth_prior =
+      InverseDepthPrior{told_inverse_depth_, told_inverse_depth_};
   if (!solve(problem, windowSolver()).usable) return;
-  keepPoseAndDepth(newest(segment), pose, inverse_depth, &segment);
+  keepPoseAndScale(newest(segment), pose, inverse_depth, &segment);
   takeGeneration(&segment);
   map_.update(segment);
 }
@@ -129,7 +130,7 @@ void SlidingWindow::reseed(const Segment& solution) {
   std::vector<std::int64_t> seen;
   for (const Landmark* landmark : landmarksSeenIn(k, solution)) seen.push_back(landmark->track_id);
   Segment known = solution;
-  keepPoseAndDepth(k, kept->world_from_camera, typicalInverseDepthOf(seen, *kept), &known);
+  keepPoseAndScale(k, kept->world_from_camera, typicalInverseDepthOf(seen, *kept), &known);
   takeGeneration(&known);
   map_.update(known);
 }
@@ -270,7 +271,7 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
     if (baseline * inverse_depth > kSeparatedPoses) block.fixed_landmark = -1;
     block.fixed_keyframes = conditioning;
   }
-  block.depth_prior = DepthPrior{told_inverse_depth_, told_inverse_depth_};
+  block.inverse_depth_prior = InverseDepthPrior{told_inverse_depth_, told_inverse_depth_};
   if (!solve({&camera_, false, {block}}, windowSolver()).usable) return outlier_ids;
   map_.update(segment);
   rememberInverseDepth(segment, conditioning);

@@ -348,7 +348,7 @@ void removeLandmarks(const std::vector<int>& landmarks, Segment* segment) {
   }
 }
 
-void keepPoseAndDepth(int k, const Rigid3& pose, double inverse_depth, Segment* segment) {
+void keepPoseAndScale(int k, const Rigid3& pose, double inverse_depth, Segment* segment) {
   const Rigid3 solved = segment->keyframes[k].world_from_camera;
   const double scale = typicalInverseDepthAt(k, *segment) / inverse_depth;
   for (Keyframe& keyframe : segment->keyframes) {

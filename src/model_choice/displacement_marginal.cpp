@@ -84,7 +84,7 @@ class BlockLinearization {
   // Of the track at hand: its landmark, and what its rows have.
   const Landmark* landmark_ = nullptr;
   int dimension_ = 0;  // of the landmark's free variables
-  bool depth_held_ = false;
+  bool inverse_depth_held_ = false;
   Eigen::Vector3d ray_;
   RayIntrinsicsJacobian d_ray_;
   Matrix32d tangent_;
@@ -130,7 +130,7 @@ bool BlockLinearization::linearize(const Observation& observation, Eigen::Index 
   const double scale = loss.root_weight / sigma;
   auto rows = rows_.middleRows<2>(row);
   int column = 0;
-  if (!depth_held_) rows.col(column++) = scale * j.inverse_depth;
+  if (!inverse_depth_held_) rows.col(column++) = scale * j.inverse_depth;
   if (!landmark_->anchored) rows.middleCols<2>(column) = scale * j.ray * tangent_;
   // A keyframe that observes its own landmark: both parts cancel.
   if (first_column_[observing] >= 0) {
@@ -199,8 +199,8 @@ void BlockLinearization::addTrack(std::size_t first, std::size_t last) {
   } else {
     tangent_ = tangentBasis(landmark_->bearing);
   }
-  depth_held_ = index == block_.fixed_landmark;
-  dimension_ = (depth_held_ ? 0 : 1) + (landmark_->anchored ? 0 : 2);
+  inverse_depth_held_ = index == block_.fixed_landmark;
+  dimension_ = (inverse_depth_held_ ? 0 : 1) + (landmark_->anchored ? 0 : 2);
   layOut(first, last);
   Eigen::Index row = 0;
   for (std::size_t o = first; o < last; ++o) {

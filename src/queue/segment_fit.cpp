@@ -62,7 +62,7 @@ SegmentFit fitSegment(const SegmentFitOptions& options, Segment* segment, Camera
   problem.blocks = {freeBlock(segment, *camera)};
   if (!settled && !solve(problem, solver).usable) return fit;
   fit.residual_scale = scaleAgainstTracker(*segment, fit.unexplained_sigma, *camera);
-  fit.marginal = marginalize(problem, options.huber, 1, options.depth_noise);
+  fit.marginal = marginalize(problem, options.huber, 1, options.inverse_depth_noise);
   fit.usable = fit.marginal.information.allFinite();
   return fit;
 }

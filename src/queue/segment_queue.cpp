@@ -190,7 +190,7 @@ void SegmentQueue::setCovariance(const Problem& problem) {
   const double ratio = solution_.scatter.birgeRatio();
   const double variance = ratio * ratio;
   Marginal marginal =
-      marginalize(problem, solverOptions(threads_).huber, threads_, DepthNoise::kDiscounted);
+      marginalize(problem, solverOptions(threads_).huber, threads_, InverseDepthNoise::kDiscounted);
   solution_.information = marginal.whole_information / variance;
   if (const auto covariance = marginal.robustCovariance()) {
     solution_.covariance = variance * *covariance;

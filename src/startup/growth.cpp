@@ -42,7 +42,7 @@ std::vector<PointView> viewsOf(const Segment& segment, int k, const Camera& came
   return views;
 }
 
-void restartRunawayDepths(double max_ratio, Segment* segment) {
+void restartRunawayLandmarks(double max_ratio, Segment* segment) {
   const double typical = typicalInverseDepth(inverseDepths(*segment));
   for (Landmark& landmark : segment->landmarks) {
     if (!(landmark.inverse_depth > 0.0) || landmark.inverse_depth > max_ratio * typical) {
@@ -87,7 +87,7 @@ struct Part {
 // Without what a rigid scene does not explain, which may belong to it once more is known: there it
 // gets the depth that fits it best.
 Part rigidPart(const GrowthOptions& options, const Camera& camera, Segment* whole) {
-  restartRunawayDepths(options.max_inverse_depth_ratio, whole);
+  restartRunawayLandmarks(options.max_inverse_depth_ratio, whole);
   const std::vector<int> moving = nonRigidTracks(whole, camera);
   Part part;
   part.segment = *whole;
@@ -114,7 +114,7 @@ void solvePrefix(const GrowthOptions& options, Segment* prefix, Camera* camera) 
   SegmentBlock& block = problem.blocks.front();
   block.sigma_scale = provisionalScale(block, *camera);
   solve(problem, solver);
-  restartRunawayDepths(options.max_inverse_depth_ratio, prefix);
+  restartRunawayLandmarks(options.max_inverse_depth_ratio, prefix);
 }
 
 // Keyframes that have grown so far, and what is known of them.

@@ -229,7 +229,7 @@ void Startup::judge() {
   options.max_iterations = told_ ? 10 : 4;
   options.precision = kEstimatePrecision;
   options.prior = options_.growth.prior;
-  options.depth_noise = DepthNoise::kDiscounted;
+  options.inverse_depth_noise = InverseDepthNoise::kDiscounted;
   const SegmentFit fit = fitSegment(options, &gated, &camera);
   ran_away_ = !fit.usable || ranAway(camera);
   if (ran_away_) return finishBatch();
@@ -345,7 +345,7 @@ void Startup::considerK3(Segment* gated) {
   *gated = with.segment;
   options_.growth.prior = vaguePrior(camera_);  // k3 has one too
   const Problem problem{&camera_, true, {freeBlock(gated, camera_)}, options_.growth.prior};
-  setInformation(marginalize(problem, kHuberThreshold, 1, DepthNoise::kDiscounted));
+  setInformation(marginalize(problem, kHuberThreshold, 1, InverseDepthNoise::kDiscounted));
 }
 
 bool Startup::demandsK3(const ComparedFit& without, const ComparedFit& with) const {

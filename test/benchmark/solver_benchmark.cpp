@@ -75,7 +75,7 @@ void marginal(benchmark::State& state, bool ours) {
 }
 
 // What honest sigmas cost: as at every keyframe, and the information as it is.
-void information(benchmark::State& state, DepthNoise noise) {
+void information(benchmark::State& state, InverseDepthNoise noise) {
   SolverScene scene(Kind::kCandidate);
   time(state, &scene, [noise](SolverScene* s) {
     benchmark::DoNotOptimize(marginalize(s->problem(), kHuber, 1, noise));
@@ -109,8 +109,8 @@ BENCHMARK_CAPTURE(candidate, ours, true)->Unit(kMs);
 BENCHMARK_CAPTURE(candidate, ceres, false)->Unit(kMs);
 BENCHMARK_CAPTURE(marginal, ours, true)->Unit(kMs);
 BENCHMARK_CAPTURE(marginal, ceres, false)->Unit(kMs);
-BENCHMARK_CAPTURE(information, plain, DepthNoise::kCounts)->Unit(kMs);
-BENCHMARK_CAPTURE(information, honest, DepthNoise::kDiscounted)->Unit(kMs);
+BENCHMARK_CAPTURE(information, plain, InverseDepthNoise::kCounts)->Unit(kMs);
+BENCHMARK_CAPTURE(information, honest, InverseDepthNoise::kDiscounted)->Unit(kMs);
 BENCHMARK_CAPTURE(queue, ours, true)->Arg(1)->Arg(2)->Unit(kMs)->UseRealTime();
 BENCHMARK_CAPTURE(queue, ceres, false)->Arg(1)->Arg(2)->Unit(kMs)->UseRealTime();
 BENCHMARK_CAPTURE(batch, ceres, false)->Arg(100)->Arg(300)->Arg(600)->Arg(1200)->Unit(kMs);

@@ -93,7 +93,7 @@ Coverage coverageOf(const Setting& setting) {
     Segment segment = perturbed(made.segment, perturbation, seed);
     Camera camera = perturbedCamera(truth, seed);
     SegmentFitOptions fit_options;
-    fit_options.depth_noise = DepthNoise::kDiscounted;
+    fit_options.inverse_depth_noise = InverseDepthNoise::kDiscounted;
     const SegmentFit fit = fitSegment(fit_options, &segment, &camera);
     const auto covariance = setting.robust ? fit.marginal.robustCovariance()
                                            : covarianceFromInformation(fit.marginal.information);

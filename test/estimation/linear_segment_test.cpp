@@ -234,13 +234,14 @@ TEST(LinearSegment, SegmentsAddInTheMarginal) {
 TEST(LinearSegment, TheUnitOfTheMapDoesNotMatter) {
   Camera camera = ordinaryCameras()[2];
   const SimulatedSegment made = smallSegment(camera, LandmarkOrigin::kMixed, 0.3, 7);
-  const auto marginalIn = [&](double unit, DepthNoise noise) {
+  const auto marginalIn = [&](double unit, InverseDepthNoise noise) {
     Segment segment = made.segment;
     for (Keyframe& keyframe : segment.keyframes) keyframe.world_from_camera.translation /= unit;
     for (Landmark& landmark : segment.landmarks) landmark.inverse_depth *= unit;
     return marginalize({&camera, true, {{&segment, 1, 0, 1.0}}}, kHuber, 1, noise);
   };
-  for (const DepthNoise noise : {DepthNoise::kCounts, DepthNoise::kDiscounted}) {
+  for (const InverseDepthNoise noise :
+       {InverseDepthNoise::kCounts, InverseDepthNoise::kDiscounted}) {
     const Marginal metric = marginalIn(1.0, noise);
     for (const double unit : {1e-30, 1e-15, 1e-9, 1e9, 1e15, 1e30}) {
       const Marginal other = marginalIn(unit, noise);

@@ -326,11 +326,11 @@ TEST(RemoveLandmarks, KeepsTheOthersWhole) {
 }
 
 // The unit of the map changes, and nothing that is seen.
-TEST(KeepPoseAndDepth, MovesAndScalesTheWhole) {
+TEST(KeepPoseAndScale, MovesAndScalesTheWhole) {
   const SimulatedSegment made = sample(LandmarkOrigin::kMixed);
   const Rigid3 pose{expSo3({0.3, -0.2, 0.5}), Eigen::Vector3d(4.0, -1.0, 2.0)};
   Segment moved = made.segment;
-  keepPoseAndDepth(6, pose, 0.7, &moved);
+  keepPoseAndScale(6, pose, 0.7, &moved);
   const Rigid3& kept = moved.keyframes[6].world_from_camera;
   EXPECT_LT((kept.translation - pose.translation).norm(), 1e-9);
   EXPECT_LT(kept.rotation.angularDistance(pose.rotation), 1e-9);

@@ -73,8 +73,8 @@ class LinearSegment {
   /// After linearize(.., true): H of a landmark's inverse depth and, unless it is anchored, its
   /// bearing; lower triangle. A held depth has it too.
   const Eigen::Matrix3d& landmarkInformation(std::size_t landmark) const {
-    return structure_.landmarks[landmark].depth_fixed ? held_landmark_
-                                                      : landmark_hessian_[landmark];
+    return structure_.landmarks[landmark].inverse_depth_fixed ? held_landmark_
+                                                              : landmark_hessian_[landmark];
   }
 
   /// After eliminate(0), for columns B of poseColumns() rows, with S the poses' and intrinsics'
@@ -131,7 +131,7 @@ class LinearSegment {
                    double* values) const;
   template <int kTail>
   void expandPair(int fixed_keyframes, std::size_t pair);
-  void addDepthPrior(const Segment& segment, const DepthPrior& prior);
+  void addInverseDepthPrior(const Segment& segment, const InverseDepthPrior& prior);
   template <int kTail>
   void eliminateLandmarks(double damping);
   template <int kTail, int kDimension>

@@ -19,7 +19,7 @@ struct Marginal {
   /// landmarks and poses are eliminated, undamped. n_c x n_c.
   IntrinsicsMatrix information;
   /// The same with the spurious part from noise in the inverse depths, which
-  /// DepthNoise::kDiscounted leaves out of all else here.
+  /// InverseDepthNoise::kDiscounted leaves out of all else here.
   IntrinsicsMatrix whole_information;
   std::vector<BlockShare> shares;  ///< Of each block, in `whole_information`.
   /// `sum s s^T` over tracks (LinearSegment::trackScores), with the loss of degrees of freedom made
@@ -57,15 +57,16 @@ struct Marginal {
 /// directions in which it is above the identity. `root` is L, a Cholesky factor.
 Eigen::MatrixXd widened(const Eigen::MatrixXd& root, const Eigen::MatrixXd& factor);
 
-/// Whether spurious information from noise in the inverse depths counts (see depth_noise.h).
-enum class DepthNoise {
+/// Whether spurious information from noise in the inverse depths counts (see
+/// inverse_depth_noise.h).
+enum class InverseDepthNoise {
   kCounts,     ///< All of it: eqs. 4 and 5 as they are.
   kDiscounted  ///< As little as is honest: no change where parallax determines the depths well.
 };
 
 /// One fresh undamped linearisation (eqs. 4, 5).
 Marginal marginalize(const Problem& problem, double huber, int threads = 1,
-                     DepthNoise noise = DepthNoise::kCounts);
+                     InverseDepthNoise noise = InverseDepthNoise::kCounts);
 
 /// Eigenvalues of an information matrix scaled to a unit diagonal, in increasing order: the
 /// smallest shows how well conditioned the estimate is, whatever the parameters' units.

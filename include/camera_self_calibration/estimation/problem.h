@@ -11,7 +11,7 @@ namespace camera_self_calibration {
 /// keeps depths, and with them scale and sign of the motion, where too little parallax determines
 /// them, and is far too weak to matter where there is parallax: a landmark seen from two places
 /// with a parallax of n sigmas moves by 1 / n^2 of its distance from the mean. sigma 0: no prior.
-struct DepthPrior {
+struct InverseDepthPrior {
   double mean = 0.0;
   double sigma = 0.0;
 
@@ -23,10 +23,11 @@ struct DepthPrior {
 /// A segment's part in a problem: what is held, and its weight.
 struct SegmentBlock {
   Segment* segment = nullptr;
-  int fixed_keyframes = 1;      ///< The first so many keyframes keep their poses.
-  int fixed_landmark = -1;      ///< This landmark keeps its inverse depth; -1: none.
-  double sigma_scale = 1.0;     ///< Multiplies every observation's sigma.
-  DepthPrior depth_prior = {};  ///< Of every landmark; for solve() alone, as Problem::prior.
+  int fixed_keyframes = 1;   ///< The first so many keyframes keep their poses.
+  int fixed_landmark = -1;   ///< This landmark keeps its inverse depth; -1: none.
+  double sigma_scale = 1.0;  ///< Multiplies every observation's sigma.
+  InverseDepthPrior inverse_depth_prior =
+      {};  ///< Of every landmark; for solve() alone, as Problem::prior.
 };
 
 /// Vague knowledge of the intrinsics: independent normal errors, and pixels that are about square.

@@ -17,9 +17,9 @@ struct SegmentStructure {
   };
 
   struct LandmarkPlace {
-    int dimension = 1;         ///< 1: inverse depth; 3: and the bearing.
-    bool depth_fixed = false;  ///< The inverse depth is held: its derivatives are zero.
-    int row = 0;               ///< Of its first free variable among the segment's landmark rows.
+    int dimension = 1;                 ///< 1: inverse depth; 3: and the bearing.
+    bool inverse_depth_fixed = false;  ///< The inverse depth is held: its derivatives are zero.
+    int row = 0;  ///< Of its first free variable among the segment's landmark rows.
     /// Of the free poses that it touches, each once, in poses; the reference keyframe's is the
     /// first if it is free.
     int first_entry = 0;
@@ -28,7 +28,7 @@ struct SegmentStructure {
     int first_pose = std::numeric_limits<int>::max();  ///< Of the free ones that it touches,
     int last_pose = -1;                                ///< and the last.
 
-    int rows() const { return dimension - (depth_fixed ? 1 : 0); }
+    int rows() const { return dimension - (inverse_depth_fixed ? 1 : 0); }
   };
 
   struct ObservationPlace {

@@ -76,6 +76,6 @@ void removeLandmarks(const std::vector<int>& landmarks, Segment* segment);
 
 /// Moves and scales a segment so that keyframe `k` has this pose, and what it sees this typical
 /// inverse depth there (typicalInverseDepthAt) [1/map unit].
-void keepPoseAndDepth(int k, const Rigid3& pose, double inverse_depth, Segment* segment);
+void keepPoseAndScale(int k, const Rigid3& pose, double inverse_depth, Segment* segment);
 
 }  // namespace camera_self_calibration

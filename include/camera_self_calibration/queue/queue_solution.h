@@ -30,7 +30,7 @@ struct QueueSolution {
   IntrinsicsMatrix information;
   std::vector<BlockShare> shares;  ///< The segments' marginals, in the queue's order.
   /// The inverse of the information without the spurious part from noise in the inverse depths
-  /// (DepthNoise::kDiscounted), made larger where residuals are correlated along tracks
+  /// (InverseDepthNoise::kDiscounted), made larger where residuals are correlated along tracks
   /// (Marginal::robustCovariance); empty where that is singular.
   IntrinsicsMatrix covariance;
   /// How far the segments disagree. Each one's share of the chi-square is twice what its cost rises

@@ -19,7 +19,7 @@ struct SegmentFitOptions {
   /// SolverOptions' of the last solution.
   double precision = kComparisonPrecision;
   double intrinsics_precision = 0.0;
-  DepthNoise depth_noise = DepthNoise::kCounts;  ///< In the marginal.
+  InverseDepthNoise inverse_depth_noise = InverseDepthNoise::kCounts;  ///< In the marginal.
   IntrinsicsPrior prior = {};  ///< Vague, against runaways; the marginal does not contain it.
 };
 

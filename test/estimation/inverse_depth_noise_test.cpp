@@ -1,4 +1,4 @@
-#include "camera_self_calibration/estimation/depth_noise.h"
+#include "camera_self_calibration/estimation/inverse_depth_noise.h"
 
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ struct Solved {
     solve({&camera, true, {freeBlock(&segment, camera)}}, options);
   }
 
-  Marginal marginal(DepthNoise noise) {
+  Marginal marginal(InverseDepthNoise noise) {
     return marginalize({&camera, true, {freeBlock(&segment, camera)}}, kHuber, 1, noise);
   }
 };
@@ -58,7 +58,8 @@ std::vector<Eigen::Matrix3d> landmarkInformation(const Segment& segment,
   return information;
 }
 
-// As depth_noise.h says it, from every observation's derivatives; other keyframes hold the scale.
+// As inverse_depth_noise.h says it, from every observation's derivatives; other keyframes hold the
+// scale.
 Eigen::MatrixXd expectedNoise(const Segment& segment, const Camera& camera, int fixed) {
   std::vector<PredictionJacobians> views(segment.observations.size());
   for (std::size_t o = 0; o < views.size(); ++o) {
@@ -91,7 +92,7 @@ Eigen::MatrixXd expectedNoise(const Segment& segment, const Camera& camera, int 
   return noise.bottomRightCorner(3 * (count - fixed), 3 * (count - fixed));
 }
 
-TEST(DepthNoiseTest, IsTheUncertainDepthsShare) {
+TEST(InverseDepthNoiseTest, IsTheUncertainDepthsShare) {
   for (const Camera& truth : ordinaryCameras()) {
     Solved solved(truth, 1.0);
     SegmentBlock block = freeBlock(&solved.segment, solved.camera);
@@ -99,27 +100,27 @@ TEST(DepthNoiseTest, IsTheUncertainDepthsShare) {
     LinearSegment linear;
     linear.linearize(block, solved.camera, truth.estimatedCount(), 1e6, true);
     const Eigen::MatrixXd expected = expectedNoise(solved.segment, solved.camera, 2);
-    EXPECT_LT((depthNoise(block, linear) - expected).norm(), 1e-6 * expected.norm())
+    EXPECT_LT((inverseDepthNoise(block, linear) - expected).norm(), 1e-6 * expected.norm())
         << toString(truth.model());
   }
 }
 
-TEST(DepthNoiseTest, NothingChangesWhereDepthsAreKnown) {
+TEST(InverseDepthNoiseTest, NothingChangesWhereDepthsAreKnown) {
   for (const Camera& truth : ordinaryCameras()) {
     Solved solved(truth, 0.003);
-    const Eigen::VectorXd kept =
-        sharesKept(solved.marginal(DepthNoise::kDiscounted), solved.marginal(DepthNoise::kCounts));
+    const Eigen::VectorXd kept = sharesKept(solved.marginal(InverseDepthNoise::kDiscounted),
+                                            solved.marginal(InverseDepthNoise::kCounts));
     EXPECT_GT(kept.minCoeff(), 0.995) << toString(truth.model());
     EXPECT_LT(kept.maxCoeff(), 1.0 + 1e-6) << toString(truth.model());
   }
 }
 
-TEST(DepthNoiseTest, LessButNeverMoreWhereTheyAreNoise) {
+TEST(InverseDepthNoiseTest, LessButNeverMoreWhereTheyAreNoise) {
   for (const Camera& truth : ordinaryCameras()) {
     for (const auto origin : {LandmarkOrigin::kAnchored, LandmarkOrigin::kInherited}) {
       Solved solved(truth, 3.0, origin);
-      const Marginal plain = solved.marginal(DepthNoise::kCounts);
-      const Marginal honest = solved.marginal(DepthNoise::kDiscounted);
+      const Marginal plain = solved.marginal(InverseDepthNoise::kCounts);
+      const Marginal honest = solved.marginal(InverseDepthNoise::kDiscounted);
       const Eigen::VectorXd kept = sharesKept(honest, plain);
       EXPECT_GT(kept.minCoeff(), 0.01) << toString(truth.model());
       EXPECT_LT(kept.minCoeff(), 0.95) << toString(truth.model());
@@ -129,24 +130,24 @@ TEST(DepthNoiseTest, LessButNeverMoreWhereTheyAreNoise) {
   }
 }
 
-TEST(DepthNoiseTest, KeepsTheGaussNewtonStep) {
+TEST(InverseDepthNoiseTest, KeepsTheGaussNewtonStep) {
   Solved solved(ordinaryCameras()[1], 1.0);
   Intrinsics parameters = solved.camera.parameters();
   parameters(2) += 2.0;
   solved.camera.setParameters(parameters);
-  const Marginal plain = solved.marginal(DepthNoise::kCounts);
-  const Marginal honest = solved.marginal(DepthNoise::kDiscounted);
+  const Marginal plain = solved.marginal(InverseDepthNoise::kCounts);
+  const Marginal honest = solved.marginal(InverseDepthNoise::kDiscounted);
   const Intrinsics step = *covarianceFromInformation(plain.information) * plain.gradient;
   const Intrinsics same = *covarianceFromInformation(honest.information) * honest.gradient;
   EXPECT_LT((step - same).norm(), 1e-6 * step.norm());
 }
 
-TEST(DepthNoiseTest, DoesNotDependOnTheGauge) {
+TEST(InverseDepthNoiseTest, DoesNotDependOnTheGauge) {
   for (const Camera& truth : ordinaryCameras()) {
     Solved solved(truth, 0.5);
     SegmentBlock block = freeBlock(&solved.segment, solved.camera);
     const auto information = [&] {
-      return marginalize({&solved.camera, true, {block}}, kHuber, 1, DepthNoise::kDiscounted)
+      return marginalize({&solved.camera, true, {block}}, kHuber, 1, InverseDepthNoise::kDiscounted)
           .information;
     };
     const IntrinsicsMatrix expected = information();

@@ -1,4 +1,4 @@
-#include "camera_self_calibration/estimation/depth_noise.h"
+#include "camera_self_calibration/estimation/inverse_depth_noise.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -20,7 +20,7 @@ constexpr double kLeastShare = 0.1;
 constexpr double kNegligible = 1e-3;
 
 // Information about one inverse depth, its bearing eliminated.
-double depthInformation(const Landmark& landmark, const Eigen::Matrix3d& h) {
+double inverseDepthInformation(const Landmark& landmark, const Eigen::Matrix3d& h) {
   if (landmark.anchored) return h(0, 0);
   const double determinant = h(1, 1) * h(2, 2) - h(2, 1) * h(2, 1);
   const double bearing =
@@ -36,8 +36,8 @@ std::vector<Eigen::Matrix3d> noiseBetween(const Segment& segment, const LinearSe
   std::vector<double> shares(segment.landmarks.size());
   for (std::size_t l = 0; l < shares.size(); ++l) {
     const Landmark& landmark = segment.landmarks[l];
-    const double depth = depthInformation(landmark, linear.landmarkInformation(l));
-    shares[l] = 1.0 / (1.0 + landmark.inverse_depth * landmark.inverse_depth * depth);
+    const double information = inverseDepthInformation(landmark, linear.landmarkInformation(l));
+    shares[l] = 1.0 / (1.0 + landmark.inverse_depth * landmark.inverse_depth * information);
   }
   std::vector<Eigen::Matrix3d> noise(keyframes * keyframes, Eigen::Matrix3d::Zero());
   for (std::size_t o = 0; o < segment.observations.size(); ++o) {
@@ -99,8 +99,8 @@ Eigen::MatrixXd grown(const Eigen::MatrixXd& w, const Eigen::MatrixXd& m) {
 
 // K, where the covariance grows from I^-1 by I^-1 K I^-1. Empty where that is negligible. `unit`
 // scales the intrinsics' information to I, `factor` its factor.
-Eigen::MatrixXd feignedBy(const Eigen::MatrixXd& noise, const LinearSegment& linear,
-                          const Intrinsics& unit, const Eigen::LLT<Eigen::MatrixXd>& factor) {
+Eigen::MatrixXd spuriousBy(const Eigen::MatrixXd& noise, const LinearSegment& linear,
+                           const Intrinsics& unit, const Eigen::LLT<Eigen::MatrixXd>& factor) {
   const Eigen::MatrixXd root = rootOf(noise);  // B with B B^T = N
   // Of all that H says, N takes the shares M = B^T (H^-1)_pp B; S is H without the landmarks.
   Eigen::MatrixXd shares;  // B^T S_pp^-1 B at first
@@ -115,7 +115,7 @@ Eigen::MatrixXd feignedBy(const Eigen::MatrixXd& noise, const LinearSegment& lin
 
 }  // namespace
 
-Eigen::MatrixXd depthNoise(const SegmentBlock& block, const LinearSegment& linear) {
+Eigen::MatrixXd inverseDepthNoise(const SegmentBlock& block, const LinearSegment& linear) {
   const int keyframes = static_cast<int>(block.segment->keyframes.size());
   const int fixed = block.fixed_keyframes;
   const int free = std::max(0, keyframes - fixed);
@@ -148,10 +148,11 @@ ReducedInformation discountedInformation(const SegmentBlock& block, const Linear
   const Eigen::MatrixXd scaled = unit.asDiagonal() * plain.information * unit.asDiagonal();
   const Eigen::LLT<Eigen::MatrixXd> factor(scaled);
   if (linear.poseColumns() == 0 || factor.info() != Eigen::Success) return plain;
-  const Eigen::MatrixXd feigned = feignedBy(depthNoise(block, linear), linear, unit, factor);
-  if (feigned.size() == 0) return plain;
+  const Eigen::MatrixXd spurious =
+      spuriousBy(inverseDepthNoise(block, linear), linear, unit, factor);
+  if (spurious.size() == 0) return plain;
   // (I^-1 + I^-1 K I^-1)^-1 = I (I + K)^-1 I
-  const Eigen::LLT<Eigen::MatrixXd> grown_factor(scaled + feigned);
+  const Eigen::LLT<Eigen::MatrixXd> grown_factor(scaled + spurious);
   const Eigen::MatrixXd half = grown_factor.matrixL().solve(scaled);
   const Eigen::MatrixXd honest = half.transpose() * half;
   const Eigen::LLT<Eigen::MatrixXd> honest_factor(honest);

@@ -13,7 +13,7 @@ namespace camera_self_calibration {
 /// estimated rho^2 the share `sigma^2 / (sigma^2 + rho^2)` is noise, sigma the deviation of rho
 /// with poses and intrinsics held. All landmarks count, a fixed one too, and the scale of all
 /// positions does not: what follows does not depend on the choice of gauge.
-Eigen::MatrixXd depthNoise(const SegmentBlock& block, const LinearSegment& linear);
+Eigen::MatrixXd inverseDepthNoise(const SegmentBlock& block, const LinearSegment& linear);
 
 /// The information of a block about the intrinsics when poses and landmarks are eliminated.
 struct ReducedInformation {
@@ -25,8 +25,8 @@ struct ReducedInformation {
 /// `linear`, the block's system, linearised for a marginal and eliminated undamped, as it is.
 ReducedInformation reducedInformation(const LinearSegment& linear);
 
-/// The same without the spurious information of depthNoise(). Were the inverse depths known, the
-/// Hessian would be A = H - N, N the noise; the score's variance is H, and so the covariance is
+/// The same without the spurious information of inverseDepthNoise(). Were the inverse depths known,
+/// the Hessian would be A = H - N, N the noise; the score's variance is H, and so the covariance is
 /// `A^-1 H A^-1`. In the directions in which N takes nearly all, A stays at a small share of H: the
 /// result is positive semidefinite and in no direction more than `linear` says. Score and gradient
 /// follow, so that design effect and Gauss-Newton step stay the same.
