@@ -1,5 +1,6 @@
 // Calibrates from images that show nothing: the library is found, and says that it is waiting.
 #include <camera_self_calibration/pipeline/self_calibrator.h>
+#include <camera_self_calibration/pipeline/state_file.h>
 
 #include <cstdint>
 #include <cstdio>
@@ -24,5 +25,8 @@ int main() {
   }
   const csc::CalibrationReport report = calibrator.calibration();
   std::printf("%s: %s\n", csc::toString(report.state).c_str(), report.sentence.c_str());
+  const csc::DecodedState saved = csc::decodeState("what another program wrote");
+  std::printf("a saved state: %s\n", saved.error.c_str());
+  if (calibrator.state() || saved.state) return 1;
   return report.state == csc::CalibrationState::kWaitingForMotion ? 0 : 1;
 }
