@@ -18,16 +18,19 @@ namespace {
 
 using Kind = ChangeVerdict::Kind;
 
-// p-value above which no closer look is worth its time, and a suspicion was for nothing.
+// p-value above which no closer look is worth its time, and a suspicion was for nothing: chance
+// alone asks for one window in ten, at the price of a solve each.
 constexpr double kClearlySame = 0.1;
 constexpr int kMinLaterKeyframes = 3;    // after a suspected onset, to decide
 constexpr int kMinEarlierKeyframes = 2;  // before it, for their structure to be of use
 // Keyframes by which a suspicion may come too late and too early.
 constexpr int kSuspectedLate = 1;
 constexpr int kSuspectedEarly = 2;
-constexpr int kFindings = 2;       // keyframes in a row that find the same new lens
-constexpr double kSameLens = 0.5;  // distance between two findings, as a share of the change
-// Statistic per observation that needs no second finding: no wrong minimum is as bad.
+constexpr int kFindings = 2;  // keyframes in a row that find the same new lens
+// Distance between two findings, as a share of the change: nearer to each other than half way back.
+constexpr double kSameLens = 0.5;
+// Statistic per observation that needs no second finding, as if each were off by one more sigma: no
+// wrong minimum is as bad.
 constexpr double kBlatant = 1.0;
 // Residual scale, over that of the queue's segments, of data that fit no lens.
 constexpr double kMaxMisfit = 2.0;

@@ -91,7 +91,8 @@ class ChangeDetector {
   double limit() const;
 
  private:
-  static constexpr double kDoubt = 1e-2;  // p-value below which nothing enters the queue
+  // p-value below which nothing enters the queue: chance alone keeps one window in a hundred out.
+  static constexpr double kDoubt = 1e-2;
   // Two fast, one of the window, one of all segments together.
   static constexpr double kTests = 4.0;
 
