@@ -7,6 +7,7 @@
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/estimate_distance.h"
+#include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/queue/weak_directions.h"
 
 namespace camera_self_calibration {

@@ -7,6 +7,7 @@
 
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
+#include "camera_self_calibration/tracking/tracker.h"
 
 namespace camera_self_calibration {
 namespace {
