@@ -134,7 +134,9 @@ struct Run {
     while (!mountChanged() && next < end) {
       if (!step(true)) return false;
     }
-    return spinUntil([this] { return mountChanged() != nullptr; }, 60.0);
+    // The solver, of low priority, may be in a joint solution and rests after it as long as that
+    // took.
+    return spinUntil([this] { return mountChanged() != nullptr; }, 150.0);
   }
 
   bool converged() const { return !places[1]->messages.empty(); }
