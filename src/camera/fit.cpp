@@ -9,7 +9,7 @@
 
 #include "camera_self_calibration/camera/fit_without_k3.h"
 #include "camera_self_calibration/camera/pixel_grid.h"
-#include "camera_self_calibration/camera/rational_polynomial.h"
+#include "camera_self_calibration/camera/rational_fit.h"
 
 namespace camera_self_calibration {
 namespace {

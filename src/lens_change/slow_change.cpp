@@ -66,6 +66,7 @@ void ChangeDetector::remember(const Candidate& candidate, const QuadraticLikelih
   const std::int64_t since_ns =
       recent_.empty() ? likelihood.begin_ns : recent_.back().likelihood.end_ns;
   course_limit_ = share(toSeconds(likelihood.end_ns - since_ns));
+  drift_told_ = false;  // until examineCourse() says so
   recent_.push_back({candidate, likelihood});
   if (recent_.size() > kSegments) recent_.pop_front();
 }

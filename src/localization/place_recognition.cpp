@@ -12,6 +12,7 @@
 #include "camera_self_calibration/estimation/pose_solver.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/geometry/so3.h"
+#include "camera_self_calibration/map/inverse_depth.h"
 
 namespace camera_self_calibration {
 namespace {

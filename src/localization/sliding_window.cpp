@@ -8,6 +8,7 @@
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
 #include "camera_self_calibration/localization/moving_tracks.h"
+#include "camera_self_calibration/map/inverse_depth.h"
 #include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/tracking/image_motion.h"
 

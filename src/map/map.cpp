@@ -242,12 +242,12 @@ std::vector<WorldPoint> Map::worldPoints(const std::vector<std::int64_t>& track_
 double Map::typicalInverseDepthAt(std::int64_t keyframe_id, const Camera& camera) const {
   const Keyframe* observer = keyframe(keyframe_id);
   if (observer == nullptr) return 1.0;
-  std::vector<std::int64_t> seen;
+  std::vector<WorldPoint> seen;
   for (const auto& [track_id, point] : points_) {
-    if (sightingIn(point, keyframe_id) != nullptr) seen.push_back(track_id);
+    if (sightingIn(point, keyframe_id) == nullptr) continue;
+    if (const auto known = worldPoint(point, camera)) seen.push_back(*known);
   }
-  return typicalInverseDepthFrom(observer->world_from_camera.translation,
-                                 worldPoints(seen, camera));
+  return typicalInverseDepthFrom(observer->world_from_camera.translation, seen);
 }
 
 }  // namespace camera_self_calibration

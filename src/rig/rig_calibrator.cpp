@@ -222,7 +222,7 @@ int RigCalibrator::frames() const {
 
 // Empty, or why there is none.
 std::string RigCalibrator::start() {
-  RigFrames all;
+  std::vector<RigFrame> all;
   for (const RigFrames& frames : collected_) all.insert(all.end(), frames.begin(), frames.end());
   for (int c = 1; c < rig_.size(); ++c) {
     const HandEye found = handEye(motionPairs(all, c, options_.motion_interval_s));

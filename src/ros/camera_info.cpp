@@ -9,7 +9,6 @@
 #include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/plausibility.h"
 #include "camera_self_calibration/camera/rational_fit.h"
-#include "camera_self_calibration/camera/rational_polynomial.h"
 
 namespace camera_self_calibration {
 namespace {

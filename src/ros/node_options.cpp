@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "camera_self_calibration/queue/score_kind.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/file_parameters.h"
 #include "camera_self_calibration/ros/parameter_reader.h"

@@ -10,6 +10,7 @@
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/field_of_view.h"
 #include "camera_self_calibration/camera/pixel_difference.h"
+#include "camera_self_calibration/model_choice/model_choice.h"
 #include "camera_self_calibration/plotting/contribution_chart.h"
 #include "camera_self_calibration/plotting/difference_chart.h"
 #include "camera_self_calibration/plotting/track_overlay.h"

@@ -124,21 +124,4 @@ bool KeyframeRule::isKeyframe(const TrackedFrame& frame, const Camera& camera,
   return share < options_.min_tracked_share && medianFlow(pairs) >= kMovedShare * min_parallax;
 }
 
-std::vector<std::string> KeyframeOptions::problems() const {
-  std::vector<std::string> found;
-  if (!(min_parallax > 0.0 && min_parallax < 1.0)) {
-    found.push_back("min_parallax must lie between 0 and 1 image widths; it is " +
-                    std::to_string(min_parallax) + ".");
-  }
-  if (!(min_rotation_deg > 0.0 && min_rotation_deg < 180.0)) {
-    found.push_back("min_rotation_deg must lie between 0 and 180 degrees; it is " +
-                    std::to_string(min_rotation_deg) + ".");
-  }
-  if (!(min_tracked_share >= 0.0 && min_tracked_share <= 1.0)) {
-    found.push_back("min_tracked_share must lie between 0 and 1; it is " +
-                    std::to_string(min_tracked_share) + ".");
-  }
-  return found;
-}
-
 }  // namespace camera_self_calibration

@@ -230,18 +230,4 @@ void Tracker::reset() {
   impl_->usable = false;
 }
 
-std::vector<std::string> TrackerOptions::problems() const {
-  std::vector<std::string> found;
-  if (max_features < 1 || max_features > 10000) {
-    found.push_back("max_features must lie between 1 and 10000; it is " +
-                    std::to_string(max_features) + ".");
-  }
-  if (!(min_distance_px >= 0.0 && std::isfinite(min_distance_px))) {
-    found.push_back(
-        "min_distance_px must be 0 (chosen automatically) or a positive number of "
-        "pixels.");
-  }
-  return found;
-}
-
 }  // namespace camera_self_calibration

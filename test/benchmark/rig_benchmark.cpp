@@ -181,7 +181,7 @@ void run(std::uint64_t seed, Tally* tally) {
 }
 
 constexpr double kZoom = 1.01;
-constexpr double kOnsetTolerance = 3.0;  // [s] what a stretch of keyframes takes, and a half
+constexpr double kOnsetTolerance = 3.0;  // [s] what a segment of keyframes takes, and a half
 
 struct MountTally {
   int rigs = 0;

@@ -1,16 +1,16 @@
 #!/bin/sh
-# install_test.sh BUILD [catkin]: installs the build in a temporary folder, then builds and runs a
-# program that uses what was installed, from plain CMake and, where that is told, from catkin.
+# install_test.sh BUILD [CATKIN_DIR]: installs the build in a temporary folder, then builds and runs a
+# program that uses what was installed, from plain CMake and, if it is told where catkin is, from catkin.
 set -eu
-build=$1 catkin=${2:-}
+build=$1 catkin_dir=${2:-}
 source=$(realpath "$(dirname "$0")")
 # Not below the package: roslaunch would find each launch file twice.
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 cmake --install "$build" --prefix "$folder/prefix" > "$folder/install.log"
-# Without the devel space of a workspace that is sourced, which would be found first.
-prefixes="$folder/prefix;/opt/ros/${ROS_DISTRO:-none};/usr"
-for consumer in consumer ${catkin:+catkin_consumer}; do
+# Ahead of a workspace that is sourced, whose devel space would be found else.
+prefixes="$folder/prefix${catkin_dir:+;$catkin_dir/../../..}"
+for consumer in consumer ${catkin_dir:+catkin_consumer}; do
   cmake -S "$source/$consumer" -B "$folder/$consumer" -DCMAKE_BUILD_TYPE=Debug "-DCMAKE_PREFIX_PATH=$prefixes"
   cmake --build "$folder/$consumer"
   program=$(find "$folder/$consumer" -name consumer -type f -perm -u+x)

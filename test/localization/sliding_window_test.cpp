@@ -217,7 +217,7 @@ TEST_F(SlidingWindowTest, EndsTracksThatDoNotFitUnderTrustedIntrinsicsOnly) {
   }
 }
 
-TEST_F(SlidingWindowTest, ReseedTakesASolutionAndKeepsPoseAndDepth) {
+TEST_F(SlidingWindowTest, ReseedTakesASolutionAndKeepsPoseAndScale) {
   SlidingWindow window(SlidingWindowOptions(), kTruth);
   for (int k = 0; k < 12; ++k) addKeyframe(&window);
   const Rigid3 pose = window.newestPose();

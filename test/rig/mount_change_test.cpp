@@ -168,7 +168,7 @@ TEST(JudgeMounts, AShiftAcrossTheBaselineIsTold) {
   EXPECT_GT(verdict.change.rotationPValue(), 1e-3);
 }
 
-TEST(JudgeMounts, OneStretchThatIsWrongIsNoChange) {
+TEST(JudgeMounts, OneSegmentThatIsWrongIsNoChange) {
   const Rig rig = rigOf(2);
   SegmentsOfVideo segments(5);
   segments.see(rig, 4);
@@ -193,7 +193,7 @@ TEST(JudgeMounts, ALensThatChangedIsNoMount) {
   }
 }
 
-TEST(JudgeMounts, TwoStretchesTellNothing) {
+TEST(JudgeMounts, TwoSegmentsTellNothing) {
   const Rig rig = rigOf(2);
   SegmentsOfVideo segments(1);
   segments.see(rig, 1);
@@ -202,7 +202,7 @@ TEST(JudgeMounts, TwoStretchesTellNothing) {
 }
 
 // As many parameters that mean something else.
-TEST(MountWatch, StretchesUnderDifferentLensModelsAreNotCompared) {
+TEST(MountWatch, SegmentsUnderDifferentLensModelsAreNotCompared) {
   const Rig rig = rigOf(2);
   Rig other = moved(rig, turnOf(1, {0.0, 0.5, 0.0}));
   other.cameras[1] = Camera(CameraModel::kRadtan, 640, 480, other.cameras[1].parameters());

@@ -10,7 +10,7 @@
 namespace camera_self_calibration {
 namespace {
 
-constexpr double kChangeS = 8.7;  // in the middle of a stretch
+constexpr double kChangeS = 8.7;  // in the middle of a segment
 
 Camera lens(double focal) {
   Intrinsics p(8);
@@ -113,7 +113,7 @@ TEST(MountSession, WhatIsMixedIsNotBelieved) {
             0.1 * kDegree);
 }
 
-// Too few keyframes to tell a change from a stretch that is wrong, and enough not to be sure.
+// Too few keyframes to tell a change from a segment that is wrong, and enough not to be sure.
 TEST(MountSession, SoonAfterAChangeTheRigIsInDoubt) {
   SimulatedRigOptions options = bumped();
   options.change_at_s = 10.1;
@@ -151,8 +151,8 @@ TEST(MountSession, WhatMovedAtTheVeryEndLeavesNoConvergedEstimate) {
       << estimate.sentence;
 }
 
-// A change after a single stretch is not told from a stretch that is wrong.
-TEST(MountSession, AStretchThatIsWrongIsNoPartOfTheFirstSolution) {
+// A change after a single segment is not told from a segment that is wrong.
+TEST(MountSession, ASegmentThatIsWrongIsNoPartOfTheFirstSolution) {
   SimulatedRigOptions options = bumped(2.0);
   options.change_at_s = 1.9;
   options.frames = 60;

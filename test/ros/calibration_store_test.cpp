@@ -12,7 +12,7 @@
 
 #include "camera/sample_cameras.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/camera/rational_polynomial.h"
+#include "camera_self_calibration/camera/rational_fit.h"
 #include "camera_self_calibration/pipeline/atomic_file.h"
 #include "camera_self_calibration/ros/camera_info.h"
 #include "camera_self_calibration/ros/model_conversion.h"

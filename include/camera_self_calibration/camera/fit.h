@@ -7,8 +7,6 @@
 
 namespace camera_self_calibration {
 
-struct RationalPolynomial;
-
 struct CameraFit {
   Camera camera;
   /// Direct distance (no rotation removed) to the source over the image; infinite where the fit
@@ -21,11 +19,6 @@ struct CameraFit {
 /// `s = 2 tan(w/2)/w, f_e = s f`). A radtan fit has five coefficients. Nothing where no fit is
 /// possible (too few pixels have rays).
 std::optional<CameraFit> fitCamera(const Camera& source, CameraModel target);
-
-/// The same for a lens that others describe by a rational polynomial, over an image of this size
-/// [px]. k3 of a radtan fit is fitted, but not among the parameters to estimate.
-std::optional<CameraFit> fitCamera(const RationalPolynomial& source, int width, int height,
-                                   CameraModel target);
 
 /// Where an estimate can start: the derivative by fov's w vanishes at w = 0, which it would never
 /// leave. Focal lengths follow, so that the image's centre stays as it is. Other models as they

@@ -26,8 +26,8 @@ struct SegmentBlock {
   int fixed_keyframes = 1;   ///< The first so many keyframes keep their poses.
   int fixed_landmark = -1;   ///< This landmark keeps its inverse depth; -1: none.
   double sigma_scale = 1.0;  ///< Multiplies every observation's sigma.
-  InverseDepthPrior inverse_depth_prior =
-      {};  ///< Of every landmark; for solve() alone, as Problem::prior.
+  /// Of every landmark; for solve() alone, as Problem::prior.
+  InverseDepthPrior inverse_depth_prior = {};
 };
 
 /// Vague knowledge of the intrinsics: independent normal errors, and pixels that are about square.

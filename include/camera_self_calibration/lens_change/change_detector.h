@@ -131,7 +131,7 @@ class ChangeDetector {
   double usual_residual_scale_ = 1.0;
   std::deque<RememberedSegment> recent_;  // disjoint, in the order of time
   double course_limit_ = 0.0;             // p-value for all segments together, at the newest one
-  bool drift_told_ = false;               // what they said then: each is asked once
+  bool drift_told_ = false;               // what they said then: it is asked once
   bool in_doubt_ = false;                 // what the newest keyframe said
   bool suspected_ = false;                // in this doubt, a change was seen to happen
   int findings_ = 0;                      // keyframes in a row that found the lens `found_`

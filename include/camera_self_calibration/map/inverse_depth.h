@@ -70,7 +70,7 @@ double typicalInverseDepthFrom(const Eigen::Vector3d& observer, const Points& po
 /// Where a landmark of a segment is.
 WorldPoint worldPoint(const Landmark& landmark, const Segment& segment);
 
-/// Those of all landmarks, each in its own reference keyframe [1/map unit].
+/// Inverse depths of all landmarks, each in its own reference keyframe [1/map unit].
 std::vector<double> inverseDepths(const Segment& segment);
 
 /// Their median, with its sign; `fallback` without landmarks.

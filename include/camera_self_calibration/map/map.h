@@ -98,7 +98,7 @@ class Map {
   std::optional<double> inverseDepthFrom(const Rigid3& world_from_camera, const Point& point,
                                          const Camera& camera) const;
 
-  /// Of those tracks that are points with a place.
+  /// Where those of the tracks are that are points; without those whose anchor's pixel has no ray.
   std::vector<WorldPoint> worldPoints(const std::vector<std::int64_t>& track_ids,
                                       const Camera& camera) const;
 

@@ -78,8 +78,8 @@ class SelfCalibrator {
 
   /// Begins with what was learnt in an earlier run: CONVERGED at the first keyframe if it was then,
   /// and re-checked against the images. What was learnt since the start is forgotten. Images of
-  /// another size are left out. Throws std::invalid_argument that lists state->problems(), or if it
-  /// is of another model.
+  /// another size are left out. Throws std::invalid_argument that says what is wrong with it, or if
+  /// it is of another model.
   void restore(const std::shared_ptr<const LearntState>& state);
 
   /// All that was learnt; null until the queue has taken over.

@@ -13,7 +13,7 @@ namespace camera_self_calibration {
 /// (courseOfLens).
 struct LensDrift {
   bool significant = false;  ///< Else what follows is of no use.
-  bool told = false;         ///< It drifts, as surely as a change has to be for an alarm.
+  bool told = false;         ///< Said as surely as a change is, at the newest disjoint segment.
   /// Standard deviation of the focal length's relative change over one minute.
   double rate = 0.0;
   Intrinsics offset;            ///< Of the lens now from the joint estimate, n_c.

@@ -21,8 +21,8 @@ struct RigOptions {
   int segment_frames = 60;  ///< Keyframes of a segment at most.
   int min_frames = 8;       ///< A segment of fewer tells nothing that is worth it.
   int max_frames = 240;     ///< Kept, with their images: bounds time and memory.
-  /// Keyframes of a segment that is asked by itself where the cameras sit (MountWatch): few, to
-  /// tell soon that one was moved, but enough for some motion.
+  /// Keyframes of a short segment that is asked by itself where the cameras sit (MountWatch): few,
+  /// to tell soon that one was moved, but enough for some motion.
   int mount_frames = 10;
   /// Alarms per hour that a camera was moved while none was; 0: never any alarm.
   double false_alarms_per_hour = 0.1;
