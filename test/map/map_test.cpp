@@ -45,6 +45,15 @@ class MapTest : public testing::Test {
     return keyframe;
   }
 
+  // Keyframes `first` to `end` - 1, which all see tracks 0 to `count` - 1, detected in keyframe 0.
+  static void addKeyframes(int first, int end, int count, Map* map) {
+    for (int k = first; k < end; ++k) {
+      std::vector<Track> tracks;
+      for (int id = 0; id < count; ++id) tracks.push_back(trackOf(id, k, 0));
+      map->addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
+    }
+  }
+
   // Where the map has a point.
   static Eigen::Vector3d pointIn(const Map& map, std::int64_t id) {
     const auto point = map.worldPoint(map.points().at(id), kCamera);
@@ -104,17 +113,10 @@ TEST_F(MapTest, SeenFromAnObserver) {
 
 TEST_F(MapTest, ReanchoringKeepsPoints) {
   Map map(3);
-  std::vector<Track> tracks;
-  for (int id = 0; id < 20; ++id) tracks.push_back(trackOf(id, 0, 0));
-  map.addKeyframe(keyframeAt(0), tracks, 0.3, kCamera);
-  for (int k = 1; k < 3; ++k) {
-    for (int id = 0; id < 20; ++id) tracks[id] = trackOf(id, k, 0);
-    map.addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
-  }
+  addKeyframes(0, 3, 20, &map);
   setTrueDepths(&map);
   for (int k = 3; k < 8; ++k) {
-    for (int id = 0; id < 20; ++id) tracks[id] = trackOf(id, k, 0);
-    map.addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
+    addKeyframes(k, k + 1, 20, &map);
     for (int id = 0; id < 20; ++id) {
       EXPECT_EQ(map.points().at(id).anchor_id, k - 2);
       EXPECT_LT((pointIn(map, id) - pointAt(id)).norm(), 1e-9) << "keyframe " << k;
@@ -193,11 +195,7 @@ TEST_F(MapTest, SegmentEstimatesAllRaysUnlessReferencesAreExact) {
 
 TEST_F(MapTest, SegmentObservationsAreThoseSeen) {
   Map map(10);
-  for (int k = 0; k < 4; ++k) {
-    std::vector<Track> tracks;
-    for (int id = 0; id < 6; ++id) tracks.push_back(trackOf(id, k, 0));
-    map.addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
-  }
+  addKeyframes(0, 4, 6, &map);
   const Segment segment = map.segmentFrom(1, kCamera);
   ASSERT_EQ(segment.observations.size(), 18u);
   int last_landmark = 0;
@@ -212,11 +210,7 @@ TEST_F(MapTest, SegmentObservationsAreThoseSeen) {
 
 TEST_F(MapTest, UpdateTakesSolutionsBack) {
   Map map(10);
-  for (int k = 0; k < 4; ++k) {
-    std::vector<Track> tracks;
-    for (int id = 0; id < 6; ++id) tracks.push_back(trackOf(id, k, 0));
-    map.addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
-  }
+  addKeyframes(0, 4, 6, &map);
   Segment segment = map.lastKeyframes(2, kCamera);
   segment.keyframes[1].world_from_camera.translation.x() += 0.25;
   segment.keyframes[1].calibration_generation = 7;
@@ -235,18 +229,11 @@ TEST_F(MapTest, UpdateTakesSolutionsBack) {
 // a point, which may even have come back under the same track.
 TEST_F(MapTest, UpdateFromAnOlderSegmentKeepsPointsWhole) {
   Map map(4);
-  std::vector<Track> tracks(6);
-  for (int k = 0; k < 4; ++k) {
-    for (int id = 0; id < 6; ++id) tracks[id] = trackOf(id, k, 0);
-    map.addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
-  }
+  addKeyframes(0, 4, 6, &map);
   setTrueDepths(&map);
   const Segment old = map.segmentFrom(0, kCamera);
   map.removePoints({5});
-  for (int k = 4; k < 6; ++k) {
-    for (int id = 0; id < 6; ++id) tracks[id] = trackOf(id, k, 0);
-    map.addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
-  }
+  addKeyframes(4, 6, 6, &map);
   map.update(old);
   for (const auto& [id, point] : map.points()) {
     EXPECT_NE(map.keyframe(point.anchor_id), nullptr) << id;
@@ -260,11 +247,7 @@ TEST_F(MapTest, TypicalInverseDepth) {
   Map map(10);
   EXPECT_EQ(map.typicalInverseDepthAt(0, kCamera), 1.0);
   std::vector<double> depths;
-  for (int k = 0; k < 2; ++k) {
-    std::vector<Track> tracks;
-    for (int id = 0; id < 7; ++id) tracks.push_back(trackOf(id, k, 0));
-    map.addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
-  }
+  addKeyframes(0, 2, 7, &map);
   setTrueDepths(&map);
   for (int id = 0; id < 7; ++id) {
     depths.push_back(1.0 / (poseAt(1).inverse() * pointAt(id)).norm());
@@ -276,11 +259,7 @@ TEST_F(MapTest, TypicalInverseDepth) {
 // In rotation on the spot most inverse depths are noise, of either sign.
 TEST_F(MapTest, TypicalInverseDepthIsASize) {
   Map map(10);
-  for (int k = 0; k < 2; ++k) {
-    std::vector<Track> tracks;
-    for (int id = 0; id < 7; ++id) tracks.push_back(trackOf(id, k, 0));
-    map.addKeyframe(keyframeAt(k), tracks, 0.3, kCamera);
-  }
+  addKeyframes(0, 2, 7, &map);
   Segment segment = map.segmentFrom(0, kCamera);
   for (Landmark& landmark : segment.landmarks) {
     landmark.inverse_depth = landmark.track_id < 4 ? -1e-3 : 1e-3;
