@@ -1,3 +1,5 @@
+#include "bag_source.h"
+
 #include <rosbag/bag.h>
 #include <rosbag/view.h>
 #include <sensor_msgs/CompressedImage.h>
@@ -9,7 +11,6 @@
 
 #include "camera_self_calibration/ros/gray_image.h"
 #include "camera_self_calibration/ros/stamps.h"
-#include "camera_self_calibration/tools/image_source.h"
 #include "image_child.h"
 
 namespace camera_self_calibration {
@@ -131,7 +132,9 @@ std::optional<GrayImage> readNext(BagReader* reader, const std::string& path) {
   }
 }
 
-ImageSource openHere(const SourceOptions& options) {
+}  // namespace
+
+ImageSource openBagHere(const SourceOptions& options) {
   const auto reader = std::make_shared<BagReader>();
   openReadable(options.path, &reader->bag);
   const std::vector<std::string> there = imageTopics(reader->bag);
@@ -148,11 +151,9 @@ ImageSource openHere(const SourceOptions& options) {
   return source;
 }
 
-}  // namespace
-
 // librosbag trusts the lengths that stand in a bag, and crashes where one of them is damaged.
 ImageSource openBag(const SourceOptions& options) {
-  return openInChild([&options] { return openHere(options); },
+  return openInChild([&options] { return openBagHere(options); },
                      options.path + " is damaged: what reads it has crashed. Repair it with: " +
                          "rosbag reindex " + options.path);
 }

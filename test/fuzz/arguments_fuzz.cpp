@@ -84,11 +84,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   for (const std::string& argument : given) argv.push_back(argument.c_str());
   try {
     const auto arguments = parseCalibrateBagArguments(static_cast<int>(argv.size()), argv.data());
+    countInput(arguments.has_value());
     if (!arguments) return 0;
     require(arguments->options.problems().empty(), "options are within their bounds");
     require(!arguments->source.path.empty(), "there is something to read");
     readPictures(arguments->source);
   } catch (const std::exception& e) {
+    countInput(false);
     require(!std::string(e.what()).empty(), "an error says what is wrong");
   }
   return 0;

@@ -32,8 +32,10 @@ void read(const std::string& text, CalibrationFormat format, const std::string& 
   try {
     camera = parseCalibration(text, format, wanted).camera;
   } catch (const std::runtime_error&) {
+    countInput(false);
     return;
   }
+  countInput(true);
   require(camera.valid() && camera.width() > 0 && camera.height() > 0, "what is read is valid");
   try {
     checkReadsBack(camera, format);

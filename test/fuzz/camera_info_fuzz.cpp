@@ -38,6 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const std::optional<CameraModel> model =
       kind < 4 ? std::optional(static_cast<CameraModel>(kind)) : std::nullopt;
   const std::optional<CameraFit> start = startFrom(info, model);
+  countInput(start.has_value());
   if (!start) {
     require(!whyNoStart(info, model).empty(), "a refusal has a reason");
     return 0;

@@ -19,6 +19,24 @@ inline void require(bool holds, const std::string& what) {
   std::abort();
 }
 
+/// Counts an input, and whether it is a sound one, on which more than a refusal is checked. A
+/// fuzzer that refuses all of its inputs checks next to nothing, and ends with an error.
+inline void countInput(bool sound) {
+  struct Count {
+    std::int64_t inputs = 0;
+    bool any_sound = false;
+    ~Count() {
+      constexpr int kEnough = 100;  // fewer are a corpus, or an input that is tried again
+      if (inputs < kEnough || any_sound) return;
+      std::cerr << "does not hold: some inputs are sound\n";
+      std::_Exit(1);
+    }
+  };
+  static Count count;
+  ++count.inputs;
+  count.any_sound = count.any_sound || sound;
+}
+
 /// A number that bounds like to be tried with: a plain one, any finite one, or one of those that
 /// comparisons and arithmetic forget.
 inline double anyNumber(FuzzedDataProvider* data) {

@@ -11,6 +11,7 @@ namespace {
 
 void check(const GrayImage& image) {
   require(image.view || !image.error.empty(), "a refusal has a reason");
+  countInput(image.view.has_value());
   if (!image.view) return;
   const ImageView& view = *image.view;
   require(view.width > 0 && view.height > 0 && view.stride >= view.width, "the view is one");

@@ -76,6 +76,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const NodeOptions options = anyOptions(&data);
   const std::vector<std::string> problems = options.problems();
   for (const std::string& problem : problems) require(!problem.empty(), "a problem is said");
+  countInput(problems.empty());
   if (problems.empty()) checkUsable(options);
   sameFileProblems(options, options.world_frame);
   require(isCameraName(toCameraName(options.child_frame)), "a node's name makes a camera's");

@@ -10,6 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   const DecodedRigState decoded =
       decodeRigState(std::string(reinterpret_cast<const char*>(bytes), size));
   require(decoded.state.has_value() == decoded.error.empty(), "a refusal has a reason");
+  countInput(decoded.state.has_value());
   if (!decoded.state) return 0;
   const RigEstimate& estimate = decoded.state->estimate;
   require(estimate.rig.size() >= 2 && estimate.usable, "a rig has two cameras");

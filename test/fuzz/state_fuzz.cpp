@@ -15,6 +15,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   sum.integer(checksum(body.data(), body.size()));
   const DecodedState decoded = decodeState(body + sum.bytes());
   require((decoded.state != nullptr) == decoded.error.empty(), "a refusal has a reason");
+  countInput(decoded.state != nullptr);
   if (!decoded.state) return 0;
   require(decoded.state->problems().empty(), "what is read is sound");
   const std::string again = encode(*decoded.state);

@@ -163,6 +163,11 @@ TEST(ChangeDetector, ADriftMakesOldSegmentsStale) {
   EXPECT_LT(distance(drift.camera, lensOf(8)), distance(queue.solution().camera, lensOf(8)));
   const LensDrift drifting = detector.drift(queue, windowAt(80.0, kLens).endNs());
   EXPECT_TRUE(drifting.told);
+  // Until the next segment that shares nothing with it, whatever windows say meanwhile.
+  const Segment overlapping = windowAt(80.5, kLens);
+  ASSERT_LT(overlapping.beginNs(), windowAt(80.0, kLens).endNs());
+  examine(overlapping, queue, &detector);
+  EXPECT_TRUE(detector.drift(queue, overlapping.endNs()).told);
 
   // The queue alone shows it as well, but is no new segment to ask.
   detector.reset();

@@ -85,6 +85,22 @@ TEST(PlaceRecognition, AGuessIsMadeExact) {
   EXPECT_LT(place->old_from_camera.rotation.angularDistance(truePose().rotation), 0.004);
 }
 
+// As after a rotation on the spot, which puts points without parallax beyond infinity. How far away
+// they are is the unit in which the position has to be known.
+TEST(PlaceRecognition, PointsBeyondInfinityTellAPose) {
+  Place place = placeOf(0, 30);
+  for (PlacePoint& point : place.points) point.inverse_depth = -1e-4;
+  std::vector<Appearance> seen;
+  for (int i = 0; i < 30; ++i) {
+    Eigen::Vector2d pixel;
+    const Eigen::Vector3d ray = truePose().rotation.conjugate() * place.points[i].direction;
+    if (kCamera.project(ray, &pixel)) seen.push_back({100 + i, pixel, place.descriptors[i]});
+  }
+  const auto recognized = confirmPose({place}, kMap, guess(), seen, kCamera);
+  ASSERT_TRUE(recognized);
+  EXPECT_LT(recognized->old_from_camera.rotation.angularDistance(truePose().rotation), 0.004);
+}
+
 TEST(PlaceRecognition, AGuessThatLittleSpeaksForIsRefused) {
   EXPECT_FALSE(confirmPose(kPlaces, kMap, guess(), present(10), kCamera)) << "few look alike";
   EXPECT_FALSE(confirmPose(kPlaces, kMap, guess(), present(50, true), kCamera)) << "mirrored";

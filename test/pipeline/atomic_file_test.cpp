@@ -99,6 +99,16 @@ TEST_F(AtomicFile, SaysWhyItCannotRead) {
   EXPECT_NE(unknown.error.find(std::strerror(ELOOP)), std::string::npos) << unknown.error;
 }
 
+// A file of one byte more is not read, which would take its memory; the bytes are a hole here.
+TEST_F(AtomicFile, RefusesToReadMoreThanItsLimit) {
+  ASSERT_EQ(writeFileAtomically(folder_ / "file", "x"), "");
+  fs::resize_file(folder_ / "file", (std::uintmax_t{256} << 20) + 1);
+  const FileContents contents = readFile(folder_ / "file");
+  EXPECT_TRUE(contents.exists);
+  EXPECT_TRUE(contents.bytes.empty());
+  EXPECT_NE(contents.error.find("more than 256 MB"), std::string::npos) << contents.error;
+}
+
 // As of a disk that fails: at its beginning no memory is mapped.
 TEST_F(AtomicFile, SaysThatReadingFails) {
   const std::string path = "/proc/self/mem";
