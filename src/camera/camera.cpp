@@ -3,6 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "camera_self_calibration/camera/image_size.h"
 #include "odd_polynomial.h"
 
 namespace camera_self_calibration {
@@ -62,8 +63,9 @@ Camera::Camera(CameraModel model, int width, int height, const Intrinsics& param
 }
 
 Camera Camera::defaultGuess(CameraModel model, int width, int height) {
+  const double focal = 0.5 * longerSide(width, height);
   Intrinsics parameters = Intrinsics::Zero(parameterCount(model));
-  parameters.head<4>() << 0.5 * width, 0.5 * width, 0.5 * (width - 1), 0.5 * (height - 1);
+  parameters.head<4>() << focal, focal, 0.5 * (width - 1), 0.5 * (height - 1);
   if (model == CameraModel::kFov) parameters[4] = 1.0;
   return Camera(model, width, height, parameters);
 }

@@ -5,13 +5,15 @@
 #include <cmath>
 #include <limits>
 
+#include "camera_self_calibration/camera/image_size.h"
+
 namespace camera_self_calibration {
 namespace {
 
 // Standard deviations of batch solutions over 100 keyframes each, mean of three: simulated
 // hand-held camera in a furnished room, 640 x 480, 128 tracks, 0.1 px noise per axis; a lens of
-// about 90 degrees (pinhole), 110 (fov), 80 (radtan) and 125 (equidistant). Per unit of image width
-// for fx, fy, cx, cy; then the distortion's own units.
+// about 90 degrees (pinhole), 110 (fov), 80 (radtan) and 125 (equidistant). Per unit of the image's
+// longer side for fx, fy, cx, cy; then the distortion's own units.
 struct NormalizationTable {
   CameraModel model;
   std::array<double, kMaxIntrinsics> sigma;
@@ -32,7 +34,7 @@ Intrinsics normalizationSigmas(const Camera& camera) {
     if (table.model != camera.model()) continue;
     Intrinsics sigmas(camera.estimatedCount());
     for (int i = 0; i < sigmas.size(); ++i) {
-      sigmas(i) = table.sigma[i] * (i < 4 ? camera.width() : 1.0);
+      sigmas(i) = table.sigma[i] * (i < 4 ? longerSide(camera.width(), camera.height()) : 1.0);
     }
     return sigmas;
   }

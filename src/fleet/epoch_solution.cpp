@@ -122,7 +122,7 @@ void judge(const CameraHistory& history, int epoch, const QueueSolution& solutio
   evidence.handed_over = true;
   evidence.information = solution.information;
   evidence.uncertainty = {result->uncertainty_px, result->uncertainty_px};
-  evidence.threshold_px = Options().convergedRms(solution.camera.width());
+  evidence.threshold_px = Options().convergedRms(solution.camera);
   evidence.blind_below_px = halves.blindBelowPx();
   result->health = judgeHealth(evidence, solution.camera, CalibrationState::kConverging);
 }

@@ -4,6 +4,7 @@
 #include <set>
 #include <utility>
 
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
@@ -222,7 +223,9 @@ std::vector<std::int64_t> SlidingWindow::tracksAtOdds(const Rigid3& pose,
     const auto view = viewOf(found->second, track);
     if (view) points.push_back({track.id, *view, found->second.sightings.size() > 1});
   }
-  return movingTracks(camera_, pose, points, options_.gross_residual_share * camera_.width());
+  return movingTracks(
+      camera_, pose, points,
+      options_.gross_residual_share * longerSide(camera_.width(), camera_.height()));
 }
 
 std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
@@ -278,7 +281,8 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
   rememberInverseDepth(segment, conditioning);
   if (!trusted_) return outlier_ids;
   block.sigma_scale = std::max(1.0, medianResidualScale(block, camera_));
-  const double min_px = options_.gross_residual_share * camera_.width();
+  const double min_px =
+      options_.gross_residual_share * longerSide(camera_.width(), camera_.height());
   for (const int l : grossMisfits(block, camera_, kGrossSigmas, min_px)) {
     outlier_ids.push_back(segment.landmarks[l].track_id);
   }

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
@@ -77,7 +78,8 @@ class Trials {
   }
 
   bool isUseful(double error) const {
-    return error < square(kUselessUncertaintyShare * trials_.front().camera.width());
+    const Camera& camera = trials_.front().camera;
+    return error < square(kUselessUncertaintyShare * longerSide(camera.width(), camera.height()));
   }
 
   std::vector<ModelEvidence> evidence(const std::string& chosen, double variance) const {

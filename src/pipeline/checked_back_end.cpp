@@ -57,7 +57,7 @@ void CheckedBackEnd::check(const KeyframeMessage& message, BackEndOutput* output
   evidence.fresh = state.known.camera;
   evidence.fresh_error = state.uncertainty();
   evidence.field = state.field;
-  evidence.threshold_px = options_.convergedRms(main_.state().known.camera.width());
+  evidence.threshold_px = options_.convergedRms(main_.state().known.camera);
   RecheckOptions recheck_options;
   const Segment* segment = &state.startup.segment();
   if (!isStarting(state.phase)) {  // on a queue, which asks for no more of its segments

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "camera_self_calibration/base/stamp.h"
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 #include "camera_self_calibration/tracking/tracker.h"
 
@@ -16,8 +17,8 @@ namespace {
 constexpr int kMinTracks = 12;
 // Residual scale, in the tracker's sigmas, of a pose that needs no second guess to start from.
 constexpr double kGoodFit = 2.0;
-// Below this share of the image width [rms] a calibration gains little from one more keyframe: they
-// may stand further apart and leave the processor to others.
+// Below this share of the image's longer side [rms] a calibration gains little from one more
+// keyframe: they may stand further apart and leave the processor to others.
 constexpr double kWellKnown = 0.1 / 640.0;
 constexpr double kWideSpacing = 2.0;
 constexpr double kSuspiciousSpacing = 0.5;
@@ -58,7 +59,9 @@ void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;
   // A beginning that follows another one is sent as well, though nothing is known yet.
   knows_lens_ = handed_over_ || std::isfinite(update.uncertainty_px);
-  well_known_ = handed_over_ && update.uncertainty_px < kWellKnown * update.camera.width();
+  well_known_ =
+      handed_over_ && update.uncertainty_px <
+                          kWellKnown * longerSide(update.camera.width(), update.camera.height());
   const Rigid3 newest = window_.newestPose();
   if (update.epoch != epoch_) {
     epoch_ = update.epoch;

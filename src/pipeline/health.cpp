@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "camera_self_calibration/base/formatted.h"
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/queue/weak_directions.h"
 
@@ -11,10 +12,10 @@ namespace {
 
 // Keyframes after which an estimate that is still unobserved is called degenerate.
 constexpr int kKeyframesToJudge = 12;
-// Uncertainty over image width, rms, from which on the verdict asks for another motion. Below
-// kUselessUncertaintyShare, by which the calibrator decides what it uses: translation alone feigns
-// 0.025 to 0.1 in a batch, by noise in the estimated rotations. Such an estimate may be used, but
-// nobody should be told that it converges.
+// Uncertainty over the image's longer side, rms, from which on the verdict asks for another motion.
+// Below kUselessUncertaintyShare, by which the calibrator decides what it uses: translation alone
+// feigns 0.025 to 0.1 in a batch, by noise in the estimated rotations. Such an estimate may be
+// used, but nobody should be told that it converges.
 constexpr double kDegenerateUncertaintyShare = 0.02;
 // A state is left when the uncertainty has passed the limit by more than it is known to: the
 // scatter of a few segments, some eight degrees of freedom, tells a standard deviation to a quarter
@@ -46,8 +47,9 @@ std::string limitToLeave(const HealthEvidence& evidence) {
 
 bool isUnobserved(const HealthEvidence& evidence, const Camera& camera, bool was_unobserved) {
   if (!evidence.has_estimate || evidence.information.size() == 0) return false;
-  const double limit_px =
-      kDegenerateUncertaintyShare * camera.width() / (was_unobserved ? kHysteresis : 1.0);
+  const double limit_px = kDegenerateUncertaintyShare *
+                          longerSide(camera.width(), camera.height()) /
+                          (was_unobserved ? kHysteresis : 1.0);
   return !(evidence.uncertainty.rms < limit_px) ||
          !(scaledEigenvalues(evidence.information)(0) > kUnobservedEigenvalue);
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/plausibility.h"
 
 namespace camera_self_calibration {
@@ -30,13 +31,13 @@ Options Options::withHeld(const Camera& camera) const {
   return held;
 }
 
-double convergedRms(double asked_px, int width) {
-  constexpr double kPixelsPerWidth = 1.0 / 640.0;
-  return asked_px > 0.0 ? asked_px : kPixelsPerWidth * width;
+double convergedRms(double asked_px, const Camera& camera) {
+  constexpr double kPixelsPerSide = 1.0 / 640.0;
+  return asked_px > 0.0 ? asked_px : kPixelsPerSide * longerSide(camera.width(), camera.height());
 }
 
-double Options::convergedRms(int width) const {
-  return camera_self_calibration::convergedRms(converged_pixel_rms, width);
+double Options::convergedRms(const Camera& camera) const {
+  return camera_self_calibration::convergedRms(converged_pixel_rms, camera);
 }
 
 bool setRollingShutter(const std::string& text, Options* options) {
@@ -73,7 +74,7 @@ std::vector<std::string> Options::problems() const {
   }
   if (!(converged_pixel_rms >= 0.0) || std::isinf(converged_pixel_rms)) {
     list.push_back("converged_pixel_rms is " + std::to_string(converged_pixel_rms) +
-                   ", it must be positive, or 0 for 1 px per 640 px of width");
+                   ", it must be positive, or 0 for 1 px per 640 px of the longer side");
   }
   if (!(false_alarms_per_hour >= 0.0 && false_alarms_per_hour <= 60.0)) {
     list.push_back("false_alarms_per_hour is " + std::to_string(false_alarms_per_hour) +

@@ -290,8 +290,7 @@ std::string RigSession::textOf(const MountChange& change, bool metric) const {
 std::optional<MountChange> RigSession::changeSinceSaved(const RigEstimate& estimate,
                                                         int camera) const {
   AuditOptions options;
-  options.tolerance_px =
-      convergedRms(options_.converged_pixel_rms, estimate.rig.cameras[camera].width());
+  options.tolerance_px = convergedRms(options_.converged_pixel_rms, estimate.rig.cameras[camera]);
   const PlaceMatrix& saved = restored_->places[camera].difference_covariance;
   RigEstimate both = estimate;
   both.places[camera].difference_covariance += saved;
@@ -406,7 +405,7 @@ void RigSession::judge(RigReport* report) const {
   }
   for (std::size_t c = 0; c < lenses_.size(); ++c) {
     const CalibrationReport& lens = lenses_[c];
-    const double limit = convergedRms(options_.converged_pixel_rms, lens.camera.width());
+    const double limit = convergedRms(options_.converged_pixel_rms, lens.camera);
     const CalibrationReport joint = withJointIntrinsics(lens, estimate, static_cast<int>(c), limit);
     if (joint.state == CalibrationState::kConverged) continue;
     const bool alone = lens.state != CalibrationState::kConverged;

@@ -11,7 +11,7 @@ namespace {
 /// and direction of the baseline (rows of what is as near as RigLimits takes it) or its length.
 bool differVisibly(const Rig& a, const Rig& b, double pixels) {
   const RigLimits limits = rigLimits(a.cameras.front());
-  const double pixel = convergedRms(0.0, a.cameras.front().width());
+  const double pixel = convergedRms(0.0, a.cameras.front());
   const Eigen::Vector3d& t_a = a.rig_from_camera[1].translation;
   const Eigen::Vector3d& t_b = b.rig_from_camera[1].translation;
   const double turn =
@@ -53,7 +53,7 @@ std::vector<std::string> RigCameraInfo::update(const RigReport& report) {
     const CalibrationReport& own = report.cameras[c];
     const std::string warning = policies_[c]->update(
         report.estimate.converged ? withJointIntrinsics(own, report.estimate, static_cast<int>(c),
-                                                        pipeline_.convergedRms(own.camera.width()))
+                                                        pipeline_.convergedRms(own.camera))
                                   : own);
     if (!warning.empty()) warnings.push_back(formatted("camera %zu: ", c) + warning);
   }

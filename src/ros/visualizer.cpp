@@ -226,7 +226,7 @@ void Visualizer::publishChart() {
   std::int64_t stamp_ns = 0;
   if (!history.empty()) {
     stamp_ns = history.latest().stamp_ns;
-    style.threshold_px = pipeline_.convergedRms(history.latest().camera.width());
+    style.threshold_px = pipeline_.convergedRms(history.latest().camera);
   }
   chart_.publisher.publish(toImage(drawConvergence(history, style), frame, stamp_ns));
 }

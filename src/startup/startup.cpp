@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "camera_self_calibration/base/parallel.h"
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/rigid_gate.h"
 #include "camera_self_calibration/estimation/robust.h"
@@ -54,10 +55,10 @@ bool continues(const Segment& solved, const Segment& history) {
 
 IntrinsicsPrior vaguePrior(const Camera& about) {
   IntrinsicsPrior prior{about.parameters(), about.parameters()};
-  const double width = about.width();
+  const double side = longerSide(about.width(), about.height());
   prior.sigma.fill(about.model() == CameraModel::kEquidistant ? 0.3 : 1.0);
-  prior.sigma.head<2>().fill(0.7 * width);
-  prior.sigma.segment<2>(2).fill(0.2 * width);
+  prior.sigma.head<2>().fill(0.7 * side);
+  prior.sigma.segment<2>(2).fill(0.2 * side);
   if (about.model() == CameraModel::kRadtan) prior.sigma.segment<2>(6).fill(0.1);
   prior.aspect_sigma = 0.2;  // square, as analog video (1.09), as anamorphic lenses (1.33)
   return prior;
@@ -134,13 +135,15 @@ Camera Startup::heldCamera() const {
   if (isInformative()) return camera_;
   Camera trusted = trusted_;
   trusted.setEstimateK3(camera_.estimatedCount() == kMaxIntrinsics);
-  return withWeakDirectionsHeld(camera_, information_, trusted,
-                                options_.useless_uncertainty_share * camera_.width());
+  return withWeakDirectionsHeld(
+      camera_, information_, trusted,
+      options_.useless_uncertainty_share * longerSide(camera_.width(), camera_.height()));
 }
 
 bool Startup::isInformative() const {
   return usable_ &&
-         whole_image_uncertainty_.rms < options_.useless_uncertainty_share * camera_.width();
+         whole_image_uncertainty_.rms <
+             options_.useless_uncertainty_share * longerSide(camera_.width(), camera_.height());
 }
 
 void Startup::add(const Segment& history) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "camera_self_calibration/base/parallel.h"
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
@@ -22,12 +23,12 @@ constexpr double kClearlyLess = 0.98;   // of a cost: another minimum, not the s
 // Default guesses of the model of `initial`, but with other focal lengths.
 std::vector<Camera> otherGuesses(const Camera& initial) {
   std::vector<Camera> guesses;
-  const double width = initial.width();
+  const double side = longerSide(initial.width(), initial.height());
   for (const double focal : {0.35, 0.5, 0.75, 1.1}) {
     for (const double w : {1.0, 0.6}) {
       Intrinsics parameters =
           Camera::defaultGuess(initial.model(), initial.width(), initial.height()).parameters();
-      parameters(0) = parameters(1) = focal * width;
+      parameters(0) = parameters(1) = focal * side;
       if (initial.model() == CameraModel::kFov) parameters(4) = w;
       Camera camera(initial.model(), initial.width(), initial.height(), parameters);
       if (initial.estimatedCount() == kMaxIntrinsics) camera.setEstimateK3(true);

@@ -62,7 +62,7 @@ void writePage(const std::filesystem::path& path, const std::string& text) {
 RunDescription describe(const CalibrateBagArguments& arguments, const std::string& topic,
                         const Recording& recording) {
   return {arguments.source.path, topic, arguments.given,
-          arguments.options.convergedRms(recording.final_report.camera.width()), nowText()};
+          arguments.options.convergedRms(recording.final_report.camera), nowText()};
 }
 
 void write(const CalibrateBagArguments& arguments, const std::string& name,

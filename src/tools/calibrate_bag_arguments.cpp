@@ -113,7 +113,7 @@ void addEstimation(Options* options, po::options_description* all) {
     ("rolling-shutter", po::value<std::string>(),
      "auto (estimated, default) | off (global shutter) | readout time of the whole image [s]")
     ("converged-pixel-rms", po::value(&options->converged_pixel_rms),
-     "CONVERGED below this pixel uncertainty [px]; default: 1 px per 640 px of image width")
+     "CONVERGED below this pixel uncertainty [px]; default: 1 px per 640 px of the longer side")
     ("relocalization-keyframes", po::value(&options->relocalization_keyframes)->default_value(
          options->relocalization_keyframes),
      "keyframes remembered to recognise a map that was lost; 0: it is never sought")

@@ -149,7 +149,7 @@ void together(const SourceOptions& source, const std::vector<std::string>& topic
   for (std::size_t c = 0; recording->estimate.converged && c < recording->cameras.size(); ++c) {
     const CalibrationReport& own = recording->cameras[c].reports.back();
     recording->cameras[c].final_report = withJointIntrinsics(
-        own, recording->estimate, static_cast<int>(c), options.convergedRms(own.camera.width()));
+        own, recording->estimate, static_cast<int>(c), options.convergedRms(own.camera));
   }
   recording->poses = onRig(way, recording->estimate.poses);
 }

@@ -4,11 +4,13 @@
 #include <bitset>
 #include <utility>
 
+#include "camera_self_calibration/camera/image_size.h"
+
 namespace camera_self_calibration {
 namespace {
 
-// [image widths] The scene's motion is looked at in steps of this length: far beyond the errors of
-// tracks, and short enough that most tracks live through several.
+// [longer sides of the image] The scene's motion is looked at in steps of this length: far beyond
+// the errors of tracks, and short enough that most tracks live through several.
 constexpr double kStep = 0.01;
 constexpr double kStillShare = 0.01;  // Of the scene's motion.
 constexpr double kSigmas = 3.0;
@@ -46,7 +48,7 @@ void CarriedFeatures::findSteps(const TrackedFrame& frame) {
     History* history = historyOf(track);
     if (history == nullptr) continue;
     const double length = (track.pixel - history->begin).norm();
-    steps_.push_back({&track, history, length >= kStep * frame.width});
+    steps_.push_back({&track, history, length >= kStep * longerSide(frame.width, frame.height)});
   }
 }
 
@@ -85,7 +87,7 @@ LocalMotion::Motion CarriedFeatures::sceneMotion(const TrackedFrame& frame) {
     to_.push_back(toPoint(step.track->pixel));
   }
   motion_.fit(
-      from_, to_, [](std::size_t) { return true; }, frame.width);
+      from_, to_, [](std::size_t) { return true; }, longerSide(frame.width, frame.height));
   return motion_.at(centreOf(frame));
 }
 

@@ -4,14 +4,17 @@
 #include <cmath>
 #include <opencv2/core.hpp>
 
+#include "camera_self_calibration/camera/image_size.h"
+
 namespace camera_self_calibration {
 namespace {
 
 constexpr float kMaxReturn = 1.0f;  // [px] Between a point and where the way back leads.
 constexpr LucasKanade::Effort kBackward = {0, 5, 0.1f};
 constexpr std::size_t kScoutEvery = 5;
-constexpr int kCorrectedLevel = 1;       // coarsest level that a corrected guess needs
-constexpr double kNeighbourhood = 0.15;  // [image widths] over which scouts speak for others
+constexpr int kCorrectedLevel = 1;  // coarsest level that a corrected guess needs
+// [longer sides of the image] Over which scouts speak for others.
+constexpr double kNeighbourhood = 0.15;
 // Ratio of brightness beyond which the flow, which knows no gain, would fail.
 constexpr double kSameExposure = 0.04;
 
@@ -67,7 +70,7 @@ void FlowPrediction::run(const ImagePyramid& from, const ImagePyramid& to,
   guesses_ = *predicted;
   choose([&](std::size_t i) { return i % kScoutEvery == 0; });
   follow(from, to, coarsest, points, predicted);
-  correctGuesses(kNeighbourhood * to.size().width, predicted);
+  correctGuesses(kNeighbourhood * longerSide(to.size().width, to.size().height), predicted);
   choose([&](std::size_t i) { return i % kScoutEvery != 0; });
   follow(from, to, std::min(coarsest, kCorrectedLevel), points, predicted);
   choose([&](std::size_t i) { return i % kScoutEvery != 0 && !found(i); });

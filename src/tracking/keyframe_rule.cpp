@@ -8,6 +8,7 @@
 
 #include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/median.h"
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/geometry/so3.h"
 
 namespace camera_self_calibration {
@@ -114,7 +115,8 @@ bool KeyframeRule::isKeyframe(const TrackedFrame& frame, const Camera& camera,
   if (last_.tracks.empty()) return frame.tracks.size() >= kMinTracks;
   const std::vector<Pair> pairs = commonTracks(last_, frame);
   if (pairs.empty() || frame.width <= 0) return false;
-  const double min_parallax = spacing * options_.min_parallax * frame.width;  // [px]
+  const double min_parallax =
+      spacing * options_.min_parallax * longerSide(frame.width, frame.height);  // [px]
   const double min_rotation = spacing * options_.min_rotation_deg * kDegree;
   const Motion motion = measureMotion(pairs, camera);
   if (motion.parallax >= min_parallax) return true;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "camera_self_calibration/camera/image_size.h"
 #include "tracker_impl.h"
 
 namespace camera_self_calibration {
@@ -12,7 +13,7 @@ namespace {
 // Images for which a feature that is not found is looked for: a blink, a blurred image, somebody's
 // arm. Further on, what its neighbours say of where it would be has added up to nothing.
 constexpr int kMaxMissed = 5;
-constexpr double kNeighbourhood = 0.15;  // [image widths]
+constexpr double kNeighbourhood = 0.15;  // [longer sides of the image]
 
 }  // namespace
 
@@ -66,7 +67,7 @@ void Tracker::Impl::predict() {
   zoom_search_.run(previous_, current_, from_, &flow_, &predicted_);
   local_motion_.fit(
       from_, predicted_, [this](std::size_t i) { return flow_.found(i); },
-      kNeighbourhood * frame.width);
+      kNeighbourhood * longerSide(frame.width, frame.height));
 }
 
 // By the flow, or else by the motion of the neighbours: where a feature nears the image's edge, or

@@ -71,7 +71,7 @@ Row runTrial(const Roughness& kind, const Arguments& arguments, std::uint64_t se
   const Camera truth =
       renderRough(video, kind, [&](const ImageView& view) { calibrator.process(view); });
   row.report = calibrator.calibration();
-  const double limit = options.convergedRms(truth.width());
+  const double limit = options.convergedRms(truth);
   for (const Camera& camera : believed) {
     row.false_converged = row.false_converged || pixelDistance(truth, camera).rms > 2.0 * limit;
   }

@@ -38,7 +38,7 @@ class Runner {
     Options options;
     options.model = trial.truth.model();
     options.initial_camera = trial.initial;
-    outcome_.threshold_px = options.convergedRms(trial.truth.width());
+    outcome_.threshold_px = options.convergedRms(trial.truth);
     calibrator_ =
         std::make_unique<SelfCalibrator>(options, SelfCalibrator::Mode::kInline, callbacks());
   }

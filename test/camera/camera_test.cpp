@@ -37,6 +37,12 @@ TEST(Camera, DefaultGuessIsNinetyDegreesWide) {
   }
 }
 
+// Whichever side is the longer: cameras are mounted upright, too.
+TEST(Camera, DefaultGuessOfACameraHeldUprightHasTheSameFocalLength) {
+  const Camera camera = Camera::defaultGuess(CameraModel::kPinhole, 480, 640);
+  EXPECT_EQ(camera.parameters(), Eigen::Vector4d(320, 320, 239.5, 319.5));
+}
+
 TEST(Camera, ParameterNames) {
   const auto names = [](CameraModel model) {
     return Camera::defaultGuess(model, 64, 48).parameterNames();

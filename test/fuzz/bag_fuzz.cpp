@@ -73,8 +73,18 @@ class Reader {
   Reader& operator=(const Reader&) = delete;
 
   /// A crash of librosbag is a reason; anything else that ends the process, such as undefined
-  /// behaviour, is unsound.
+  /// behaviour, is unsound. What is unsound is read again by a process that has read nothing else,
+  /// in which no earlier bag has led librosbag to write where it should not.
   Answer read(const void* bytes, std::size_t size) {
+    const Answer answer = readOnce(bytes, size);
+    if (answer != kUnsound) return answer;
+    stop();
+    start();
+    return readOnce(bytes, size);
+  }
+
+ private:
+  Answer readOnce(const void* bytes, std::size_t size) {
     const bool written =
         ::ftruncate(file_, 0) == 0 && ::pwrite(file_, bytes, size, 0) == static_cast<ssize_t>(size);
     camera_self_calibration::require(written, "a file in memory can be had");
@@ -92,7 +102,6 @@ class Reader {
     return WIFSIGNALED(status) ? kReason : kUnsound;
   }
 
- private:
   void start() {
     int ends[2];
     const bool paired = ::socketpair(AF_UNIX, SOCK_STREAM, 0, ends) == 0;

@@ -108,10 +108,14 @@ TEST(Options, AllViolationsAreListedTogether) {
 
 TEST(Options, ThresholdFollowsTheWidth) {
   Options options;
-  EXPECT_DOUBLE_EQ(options.convergedRms(640), 1.0);
-  EXPECT_DOUBLE_EQ(options.convergedRms(320), 0.5);
+  const auto imagesOf = [](int width, int height) {
+    return Camera::defaultGuess(CameraModel::kPinhole, width, height);
+  };
+  EXPECT_DOUBLE_EQ(options.convergedRms(imagesOf(640, 480)), 1.0);
+  EXPECT_DOUBLE_EQ(options.convergedRms(imagesOf(480, 640)), 1.0) << "held upright";
+  EXPECT_DOUBLE_EQ(options.convergedRms(imagesOf(320, 240)), 0.5);
   options.converged_pixel_rms = 0.3;
-  EXPECT_DOUBLE_EQ(options.convergedRms(1920), 0.3);
+  EXPECT_DOUBLE_EQ(options.convergedRms(imagesOf(1920, 1080)), 0.3);
 }
 
 TEST(Results, NamesOfStatesAndEvents) {

@@ -48,7 +48,8 @@ Segment forgotten(Segment segment, const Camera& guess) {
 
 // Keyframe by keyframe, but for those in `dropped`.
 Startup grown(const SimulatedSegment& made, const std::vector<int>& dropped = {}) {
-  const Camera guess = Camera::defaultGuess(made.camera.model(), 640, 480);
+  const Camera guess =
+      Camera::defaultGuess(made.camera.model(), made.camera.width(), made.camera.height());
   const Segment history = forgotten(made.segment, guess);
   Startup startup(StartupOptions(), guess);
   for (int k = 2; k <= static_cast<int>(history.keyframes.size()); ++k) {
@@ -78,6 +79,37 @@ TEST(Startup, ReachesTheTruthFromTheDefaultGuess) {
     std::cout << toString(truth.model()) << ": " << right << " of " << kTrials << " right\n";
     EXPECT_GE(right, kTrials - 1) << toString(truth.model());
   }
+}
+
+// The same seen by a camera that is turned by a quarter about its axis.
+SimulatedSegment heldUpright(SimulatedSegment made) {
+  const Intrinsics p = made.camera.parameters();
+  const double bottom = made.camera.height() - 1.0;
+  const auto turn = [bottom](Eigen::Vector2d* pixel) {
+    *pixel = {bottom - pixel->y(), pixel->x()};
+  };
+  made.camera = Camera(CameraModel::kPinhole, made.camera.height(), made.camera.width(),
+                       Eigen::Vector4d(p[1], p[0], bottom - p[3], p[2]));
+  for (Observation& seen : made.segment.observations) turn(&seen.pixel);
+  for (Landmark& landmark : made.segment.landmarks) {
+    turn(&landmark.reference_pixel);
+    const Eigen::Vector3d level = landmark.bearing;
+    landmark.bearing = {-level.y(), level.x(), level.z()};
+  }
+  return made;
+}
+
+// Of a wide image: what is assumed of an unknown lens must not follow from the shorter side.
+TEST(Startup, ACameraHeldUprightIsLearntAsWell) {
+  const Camera wide(CameraModel::kPinhole, 1242, 375, Eigen::Vector4d(721, 719, 610, 173));
+  const SimulatedSegment level = longSegment(wide, MotionKind::kHandheld, 3);
+  const Startup one = grown(level);
+  const Startup other = grown(heldUpright(level));
+  EXPECT_TRUE(isRight(one, wide));
+  const Intrinsics& a = one.camera().parameters();
+  const Intrinsics& b = other.camera().parameters();
+  const Eigen::Vector4d turned(b[1], b[0], b[3], wide.height() - 1.0 - b[2]);
+  EXPECT_LT((turned - a).norm(), 0.01) << turned.transpose() << " | " << a.transpose();
 }
 
 // By themselves, or not at all: as on what the camera carries.

@@ -45,8 +45,8 @@ class Camera {
   /// throws std::invalid_argument. Sizes in pixels.
   Camera(CameraModel model, int width, int height, const Intrinsics& parameters);
 
-  /// What is assumed of an unknown lens: f = width / 2, principal point at the image centre
-  /// ((width - 1) / 2, (height - 1) / 2), fov w = 1, all other distortion 0.
+  /// What is assumed of an unknown lens: f half the longer side, principal point at the image
+  /// centre ((width - 1) / 2, (height - 1) / 2), fov w = 1, all other distortion 0.
   static Camera defaultGuess(CameraModel model, int width, int height);
 
   /// Length of a model's parameter vector (radtan without k3).

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 namespace camera_self_calibration {
@@ -14,5 +15,8 @@ constexpr bool isImageSize(std::int64_t width, std::int64_t height) {
   return width > 0 && height > 0 && width <= kLargestSide && height <= kLargestSide &&
          width * height <= kMostPixels;
 }
+
+/// The size [px] by which lengths in an image are judged, whichever way up the camera is held.
+constexpr int longerSide(int width, int height) { return std::max(width, height); }
 
 }  // namespace camera_self_calibration

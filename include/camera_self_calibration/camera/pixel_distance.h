@@ -26,10 +26,11 @@ struct PixelError {
   }
 };
 
-/// pixelUncertainty() over image width, rms, above which an estimate tells nothing of the lens: its
-/// segment is not offered to the queue, the startup batch keeps to what was known before, and a
-/// lens model is not chosen for it. Without any information (a still camera, translation alone)
-/// noise in the estimated motion of a window simulates 0.035 to 0.2, whatever its size.
+/// pixelUncertainty() over the image's longer side, rms, above which an estimate tells nothing of
+/// the lens: its segment is not offered to the queue, the startup batch keeps to what was known
+/// before, and a lens model is not chosen for it. Without any information (a still camera,
+/// translation alone) noise in the estimated motion of a window simulates 0.035 to 0.2, whatever
+/// its size.
 inline constexpr double kUselessUncertaintyShare = 0.03;
 
 /// Expected error of projections with intrinsics of covariance `covariance` (n_c x n_c), rays

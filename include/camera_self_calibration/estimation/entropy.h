@@ -6,7 +6,7 @@ namespace camera_self_calibration {
 
 /// Expected standard deviations that normalise a covariance before its entropy is taken (the
 /// paper's sigma_i are their squares), n_c entries for this camera. fx, fy, cx, cy per pixel of
-/// image width, so that one table serves all sizes.
+/// the image's longer side, so that one table serves all sizes.
 Intrinsics normalizationSigmas(const Camera& camera);
 
 /// Normalised differential entropy `h = 1/2 ln |2 pi e Sigma'|` [nats] with

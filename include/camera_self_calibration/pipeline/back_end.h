@@ -87,7 +87,7 @@ class BackEnd {
   void adoptChange(int taken);
   void clearQueue();
   QueueStart queueStart() const;
-  double convergedRms() const { return options_.convergedRms(state_.known.camera.width()); }
+  double convergedRms() const { return options_.convergedRms(state_.known.camera); }
   void raise(EventType type, const std::string& sentence);
 
   Options options_;

@@ -40,7 +40,7 @@ struct Options {
   /// From the first row to the last, known or not [s]; 0: a global shutter. Negative where the
   /// lower rows are read first.
   double readout_s = 0.0;
-  double converged_pixel_rms = 0.0;  ///< CONVERGED below this [px]; 0: 1 px per 640 px of width.
+  double converged_pixel_rms = 0.0;  ///< CONVERGED below this [px]; 0: 1 px per 640 px of side.
   /// Alarms of the change detection per hour while nothing changes; 0: no alarm ever.
   double false_alarms_per_hour = 0.1;
   /// Keyframes remembered at most to recognise a map that was lost; 0: it is never sought.
@@ -54,15 +54,15 @@ struct Options {
   /// The same with this calibration taken as exact.
   Options withHeld(const Camera& camera) const;
 
-  /// rms uncertainty that counts as converged for an image of this width [px].
-  double convergedRms(int width) const;
+  /// rms uncertainty that counts as converged for this camera's images [px].
+  double convergedRms(const Camera& camera) const;
 
   /// Every violated bound in one sentence each; empty if all is well.
   std::vector<std::string> problems() const;
 };
 
 /// Options::convergedRms with `asked_px` for converged_pixel_rms [px].
-double convergedRms(double asked_px, int width);
+double convergedRms(double asked_px, const Camera& camera);
 
 /// "auto": the readout time is estimated; "off": a global shutter; or a number: the readout time of
 /// the whole image [s]. False, and nothing changed, for anything else.

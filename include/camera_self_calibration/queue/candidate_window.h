@@ -29,7 +29,7 @@ struct CandidateOptions {
   int min_landmarks = 20;
   /// Of the marginal information with a unit diagonal.
   double min_scaled_eigenvalue = kUnobservedEigenvalue;
-  /// rms over image width, above which it is ill posed.
+  /// rms over the image's longer side, above which it is ill posed.
   double max_pixel_uncertainty_share = kUselessUncertaintyShare;
   /// Sigmas that the intrinsics would still move (Marginal::remainingStep). Poses and depths that
   /// nothing determines, as in pure rotation, never settle and do not matter.

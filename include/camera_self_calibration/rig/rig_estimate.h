@@ -83,7 +83,7 @@ struct RigEstimate {
 /// Of what is near, as a share of the image's width.
 constexpr double kTypicalDisparity = 0.1;
 
-/// What is asked of a rig, from the pixels that a wrong pose costs: a pixel for 640 px of width, as
+/// What is asked of a rig, from the pixels that a wrong pose costs: a pixel for 640 px of side, as
 /// of a lens that has converged. A rotation moves what is seen by its angle times the focal length;
 /// a wrong direction of the baseline moves a feature off its row by its angle times the disparity
 /// (kTypicalDisparity).

@@ -29,7 +29,8 @@ struct StartupOptions {
   /// The model of the first guess is only where to begin: the other guesses are of the simplest
   /// models, pinhole and fov, which between them come near enough to any lens to start from.
   bool choose_model = false;
-  /// rms uncertainty over image width above which an estimate tells nothing of the lens.
+  /// rms uncertainty over the image's longer side, above which an estimate tells nothing of the
+  /// lens.
   double useless_uncertainty_share = kUselessUncertaintyShare;
   int threads = 1;  ///< For fits that are compared with each other; result independent.
 };
@@ -189,7 +190,8 @@ class Startup {
 };
 
 /// Standard deviations that say nothing but that it is a camera: the focal length may be anything
-/// of the order of the image width, the centre anywhere in its middle, the pixels about square.
+/// of the order of the image's longer side, the centre anywhere in its middle, the pixels about
+/// square.
 IntrinsicsPrior vaguePrior(const Camera& about);
 
 }  // namespace camera_self_calibration

@@ -21,7 +21,7 @@ struct TrackerOptions {
 };
 
 struct KeyframeOptions {
-  double min_parallax = 0.01;      ///< Median track motion beyond rotation, per image width.
+  double min_parallax = 0.01;      ///< Median track motion beyond rotation, per longer side.
   double min_rotation_deg = 5.0;   ///< [deg]
   double min_tracked_share = 0.7;  ///< Of the last keyframe's tracks; fewer make a keyframe.
 
