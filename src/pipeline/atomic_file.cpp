@@ -125,8 +125,7 @@ FileContents readFile(const std::string& path) {
     return contents;
   }
   if (size > kMaxBytes) {
-    contents.error = path + " is too large: nothing that is kept here has more than " +
-                     std::to_string(kMaxBytes >> 20) + " MB";
+    contents.error = path + " is too large: more than " + std::to_string(kMaxBytes >> 20) + " MB";
     return contents;
   }
   std::ifstream file(path, std::ios::binary);

@@ -14,7 +14,7 @@ namespace {
 constexpr int kKeyframesToJudge = 12;
 // Uncertainty over the image's longer side, rms, from which on the verdict asks for another motion.
 // Below kUselessUncertaintyShare, by which the calibrator decides what it uses: translation alone
-// feigns 0.025 to 0.1 in a batch, by noise in the estimated rotations. Such an estimate may be
+// simulates 0.025 to 0.1 in a batch, by noise in the estimated rotations. Such an estimate may be
 // used, but nobody should be told that it converges.
 constexpr double kDegenerateUncertaintyShare = 0.02;
 // A state is left when the uncertainty has passed the limit by more than it is known to: the

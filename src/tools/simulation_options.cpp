@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "camera_self_calibration/base/angle.h"
+#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/simulation/tum_file.h"
 
@@ -50,9 +51,10 @@ Camera readCamera(const CameraParameters& node) {
   // Not the guess that a calibration starts from: other focal lengths, centre and distortion.
   const Camera guess = Camera::defaultGuess(*model, width, height);
   Intrinsics lens = guess.parameters();
-  lens.head<2>() = Eigen::Vector2d(0.553, 0.551) * width;
-  lens[2] += 0.011 * width;
-  lens[3] -= 0.009 * width;
+  const double side = longerSide(width, height);
+  lens.head<2>() = Eigen::Vector2d(0.553, 0.551) * side;
+  lens[2] += 0.011 * side;
+  lens[3] -= 0.009 * side;
   if (*model == CameraModel::kFov) lens[4] = 0.91;
   if (*model == CameraModel::kRadtan) lens.segment<2>(4) << -0.21, 0.04;
   if (*model == CameraModel::kEquidistant) lens.segment<2>(4) << -0.03, 0.004;

@@ -21,7 +21,7 @@ std::vector<std::string> TrackerOptions::problems() const {
 std::vector<std::string> KeyframeOptions::problems() const {
   std::vector<std::string> found;
   if (!(min_parallax > 0.0 && min_parallax < 1.0)) {
-    found.push_back("min_parallax must lie between 0 and 1 image sides; it is " +
+    found.push_back("min_parallax must lie between 0 and 1 times the image's longer side; it is " +
                     std::to_string(min_parallax) + ".");
   }
   if (!(min_rotation_deg > 0.0 && min_rotation_deg < 180.0)) {

@@ -1,6 +1,6 @@
 // Bags as librosbag and this program's reading of them take them: images or an exception. What
 // reads runs in a process of its own, as it does in the tool, since librosbag crashes where lengths
-// are damaged; here it reads one bag after the other, a hundred times as fast as one process each.
+// are damaged; here it reads one bag after the other, which is faster than one process each.
 
 #include <ros/package.h>
 #include <rosbag/bag.h>
@@ -14,18 +14,20 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <opencv2/core/utility.hpp>
 #include <random>
+#include <set>
 
 #include "fuzz_bytes.h"
 #include "tools/bag_source.h"
 
 // Every rosbag::Bag looks through all packages of the machine for plugins that decrypt bags, which
-// takes a tenth of a second. Here there are only its own, without which it reads none.
+// takes a tenth of a second. Only librosbag's own are given here; without them it opens no bag.
 namespace ros {
 namespace package {
 
@@ -42,6 +44,16 @@ extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* bytes, std::size_t size, s
 namespace {
 
 enum Answer : char { kUnsound, kReason, kImages };
+
+constexpr int kUndefined = 77;  // exit code of the sanitizer, which no library has
+
+/// What a call returns that the alarm of libFuzzer, which watches the time, may interrupt.
+template <typename Call>
+auto uninterrupted(const Call& call) {
+  auto result = call();
+  while (result < 0 && errno == EINTR) result = call();
+  return result;
+}
 
 /// What reading that bag gives, in this process.
 Answer readHere(const std::string& path) {
@@ -72,8 +84,8 @@ class Reader {
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
 
-  /// A crash of librosbag is a reason; anything else that ends the process, such as undefined
-  /// behaviour, is unsound. What is unsound is read again by a process that has read nothing else,
+  /// Where librosbag ends the process, that is a reason; undefined behaviour is unsound. What is
+  /// unsound is read again by a process that has read nothing else,
   /// in which no earlier bag has led librosbag to write where it should not.
   Answer read(const void* bytes, std::size_t size) {
     const Answer answer = readOnce(bytes, size);
@@ -88,18 +100,20 @@ class Reader {
     const bool written =
         ::ftruncate(file_, 0) == 0 && ::pwrite(file_, bytes, size, 0) == static_cast<ssize_t>(size);
     camera_self_calibration::require(written, "a file in memory can be had");
-    constexpr int kBagsOfOneProcess = 1000;  // librosbag leaks where it throws
+    constexpr int kBagsOfOneProcess = 200;  // librosbag leaks where it throws
     if (++bags_ > kBagsOfOneProcess) {
       stop();
       start();
     }
     char answer = 0;
-    if (::write(socket_, &answer, 1) == 1 && ::read(socket_, &answer, 1) == 1) {
+    const auto send = [&] { return ::send(socket_, &answer, 1, MSG_NOSIGNAL); };
+    const auto receive = [&] { return ::read(socket_, &answer, 1); };
+    if (uninterrupted(send) == 1 && uninterrupted(receive) == 1) {
       return static_cast<Answer>(answer);
     }
-    const int status = stop();
+    const int status = reap();
     start();
-    return WIFSIGNALED(status) ? kReason : kUnsound;
+    return WIFEXITED(status) && WEXITSTATUS(status) == kUndefined ? kUnsound : kReason;
   }
 
   void start() {
@@ -114,10 +128,16 @@ class Reader {
     if (process_ == 0) serve();
   }
 
-  int stop() {
+  void stop() {
+    ::kill(process_, SIGKILL);
+    reap();
+  }
+
+  /// How the process ended.
+  int reap() {
     ::close(socket_);
     int status = 0;
-    ::waitpid(process_, &status, 0);
+    uninterrupted([&] { return ::waitpid(process_, &status, 0); });
     return status;
   }
 
@@ -154,8 +174,10 @@ std::vector<std::string> bags;  // that all others are made from
 
 void keepBagsWithImages(const std::string& folder) {
   if (!std::filesystem::is_directory(folder)) return;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    std::ifstream file(entry.path(), std::ios::binary);
+  std::set<std::filesystem::path> paths;  // in the same order each time
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) paths.insert(entry.path());
+  for (const std::filesystem::path& path : paths) {
+    std::ifstream file(path, std::ios::binary);
     const std::string bag{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
     if (reader().read(bag.data(), bag.size()) == kImages) bags.push_back(bag);
   }
@@ -177,6 +199,11 @@ void changeNumber(std::uint8_t* bytes, std::size_t size, std::mt19937* random) {
 }
 
 }  // namespace
+
+extern "C" const char* __ubsan_default_options() {
+  static const std::string options = "exitcode=" + std::to_string(kUndefined);
+  return options.c_str();
+}
 
 extern "C" int LLVMFuzzerInitialize(int* count, char*** arguments) {
   cv::setNumThreads(1);  // threads do not come along with a process

@@ -99,7 +99,7 @@ TEST_F(AtomicFile, SaysWhyItCannotRead) {
   EXPECT_NE(unknown.error.find(std::strerror(ELOOP)), std::string::npos) << unknown.error;
 }
 
-// A file of one byte more is not read, which would take its memory; the bytes are a hole here.
+// A file of one byte more than the limit is refused before it is read; the bytes are a hole here.
 TEST_F(AtomicFile, RefusesToReadMoreThanItsLimit) {
   ASSERT_EQ(writeFileAtomically(folder_ / "file", "x"), "");
   fs::resize_file(folder_ / "file", (std::uintmax_t{256} << 20) + 1);

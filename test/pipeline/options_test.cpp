@@ -106,7 +106,7 @@ TEST(Options, AllViolationsAreListedTogether) {
   }
 }
 
-TEST(Options, ThresholdFollowsTheWidth) {
+TEST(Options, ThresholdFollowsTheLongerSide) {
   Options options;
   const auto imagesOf = [](int width, int height) {
     return Camera::defaultGuess(CameraModel::kPinhole, width, height);

@@ -45,7 +45,7 @@ class Camera {
   /// throws std::invalid_argument. Sizes in pixels.
   Camera(CameraModel model, int width, int height, const Intrinsics& parameters);
 
-  /// What is assumed of an unknown lens: f half the longer side, principal point at the image
+  /// What is assumed of an unknown lens: f = half the longer side, principal point at the image
   /// centre ((width - 1) / 2, (height - 1) / 2), fov w = 1, all other distortion 0.
   static Camera defaultGuess(CameraModel model, int width, int height);
 

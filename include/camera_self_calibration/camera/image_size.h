@@ -16,7 +16,7 @@ constexpr bool isImageSize(std::int64_t width, std::int64_t height) {
          width * height <= kMostPixels;
 }
 
-/// The size [px] by which lengths in an image are judged, whichever way up the camera is held.
+/// What lengths in an image are measured by [px]: the same whichever way up the camera is held.
 constexpr int longerSide(int width, int height) { return std::max(width, height); }
 
 }  // namespace camera_self_calibration

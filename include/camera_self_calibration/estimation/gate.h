@@ -20,7 +20,8 @@ std::vector<int> misfits(const SegmentBlock& block, const Camera& camera,
 std::vector<int> worstTracks(const SegmentBlock& block, const Camera& camera, int count);
 
 /// A residual is gross beyond so many sigmas, scaled to the residuals of the others, and so great a
-/// share of the image's width: the track does not belong to a rigid scene, or left its feature.
+/// share of the image's longer side: the track does not belong to a rigid scene, or left its
+/// feature.
 inline constexpr double kGrossSigmas = 5.0;
 inline constexpr double kGrossShare = 1.5 / 640;
 

@@ -25,7 +25,7 @@ struct PlaceAudit {
   double turn_deg = 0.0;                         ///< How far it is turned against that.
   AuditDistance turn;                            ///< What this moves all that it sees by.
   double shift_deg = 0.0;                        ///< How far the direction of its position differs.
-  /// What its position moves features by that have a disparity of a tenth of the image's width.
+  /// What its position moves features by that have a disparity of a tenth of the longer side.
   AuditDistance shift;
   bool shift_judged = false;  ///< False: neither motion nor shared landmarks tell the position.
   std::string sentence;       ///< The verdict in words.

@@ -80,7 +80,7 @@ struct RigEstimate {
   std::shared_ptr<const RigEvidence> evidence;
 };
 
-/// Of what is near, as a share of the image's width.
+/// Of what is near, as a share of the image's longer side.
 constexpr double kTypicalDisparity = 0.1;
 
 /// What is asked of a rig, from the pixels that a wrong pose costs: a pixel for 640 px of side, as
