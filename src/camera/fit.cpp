@@ -37,7 +37,7 @@ struct NormalEquations {
   Intrinsics g;
 };
 
-// One product of the whole grid, since many small ones take four times as long.
+// One product of the whole grid, since many small ones take twice as long.
 NormalEquations linearise(const Camera& camera, const std::vector<PixelRay>& grid) {
   const auto rows = 2 * static_cast<Eigen::Index>(grid.size());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(rows, camera.parameterCount());

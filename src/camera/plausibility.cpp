@@ -59,7 +59,7 @@ std::string implausibility(const Camera& camera) {
                      camera.height());
   }
   const Intrinsics& p = camera.parameters();
-  const double longer = longerSide(camera.width(), camera.height());
+  const double longer = camera.longerSide();
   for (const double focal_length : {p(0), p(1)}) {
     if (focal_length >= kShortest * longer && focal_length <= kLongest * longer) continue;
     return formatted(

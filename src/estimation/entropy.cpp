@@ -5,8 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "camera_self_calibration/camera/image_size.h"
-
 namespace camera_self_calibration {
 namespace {
 
@@ -34,7 +32,7 @@ Intrinsics normalizationSigmas(const Camera& camera) {
     if (table.model != camera.model()) continue;
     Intrinsics sigmas(camera.estimatedCount());
     for (int i = 0; i < sigmas.size(); ++i) {
-      sigmas(i) = table.sigma[i] * (i < 4 ? longerSide(camera.width(), camera.height()) : 1.0);
+      sigmas(i) = table.sigma[i] * (i < 4 ? camera.longerSide() : 1.0);
     }
     return sigmas;
   }

@@ -1,6 +1,5 @@
 #include "camera_self_calibration/estimation/rigid_gate.h"
 
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/landmark_solver.h"
 #include "camera_self_calibration/estimation/solver.h"
@@ -31,8 +30,7 @@ std::vector<int> nonRigidTracks(Segment* segment, const Camera& camera) {
     scale = residualScale(block, camera);
   } while (scale < kSettled * block.sigma_scale);
   block.sigma_scale = scale;
-  return grossMisfits(block, camera, kGrossSigmas,
-                      kGrossShare * longerSide(camera.width(), camera.height()));
+  return grossMisfits(block, camera, kGrossSigmas, kGrossShare * camera.longerSide());
 }
 
 }  // namespace camera_self_calibration

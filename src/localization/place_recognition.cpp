@@ -9,7 +9,6 @@
 #include <utility>
 
 #include "camera_self_calibration/base/distributions.h"
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/geometry/so3.h"
@@ -34,8 +33,6 @@ constexpr int kFitted = 3;
 // is willing to bear, and the poses that are put to the test at five keyframes a second.
 constexpr double kFalseAlarmsPerHour = 1e-3;
 constexpr double kPosesPerHour = 3.0 * 5.0 * 3600.0;
-
-double sideOf(const Camera& camera) { return longerSide(camera.width(), camera.height()); }
 
 // The point of a map that a feature looks most like.
 struct Nearest {
@@ -90,7 +87,7 @@ Rigid3 turnedTo(const Place& place, const std::vector<SeenAgain>& sample, const 
 
 std::vector<SeenAgain> agreeing(const std::vector<SeenAgain>& matches, const Rigid3& pose,
                                 const Camera& camera) {
-  const double limit = kTolerance * sideOf(camera);
+  const double limit = kTolerance * camera.longerSide();
   std::vector<SeenAgain> result;
   for (const SeenAgain& seen : matches) {
     const auto pixel = seenFrom(pose, seen.point, camera);
@@ -102,7 +99,8 @@ std::vector<SeenAgain> agreeing(const std::vector<SeenAgain>& matches, const Rig
 PoseEstimate poseFrom(const std::vector<SeenAgain>& seen, const Rigid3& guess,
                       const Camera& camera) {
   std::vector<PointView> views;
-  for (const SeenAgain& one : seen) views.push_back(viewOf(one, kTolerance / 3.0 * sideOf(camera)));
+  const double sigma = kTolerance / 3.0 * camera.longerSide();
+  for (const SeenAgain& one : seen) views.push_back(viewOf(one, sigma));
   return solvePose(camera, views, guess, kHuberThreshold, 15);
 }
 
@@ -146,7 +144,7 @@ bool showsAPlace(const RecognizedPlace& recognized, const std::vector<Place>& pl
     std::size_t in_view = 0, found = 0;
     for (const PlacePoint& point : place.points) {
       const auto pixel = seenFrom(recognized.old_from_camera, point, camera);
-      if (!pixel || !camera.inImage(*pixel, kBorder * sideOf(camera))) continue;
+      if (!pixel || !camera.inImage(*pixel, kBorder * camera.longerSide())) continue;
       ++in_view;
       found += found_ids.count(point.track_id);
     }
@@ -179,7 +177,7 @@ std::vector<SeenAgain> matchNear(const std::vector<Place>& places, std::uint64_t
                                  const std::vector<Appearance>& appearances, const Camera& camera) {
   std::vector<Nearest> nearest(appearances.size());
   std::map<std::int64_t, int> bits_of_point;  // by track id: the least with any feature
-  const double reach = kReach * sideOf(camera);
+  const double reach = kReach * camera.longerSide();
   const FeaturesByRow features(appearances);
   for (const Place& place : places) {
     if (place.map_id != map_id) continue;
@@ -212,7 +210,7 @@ std::optional<Rigid3> poseAtPlace(const Place& place, const std::vector<SeenAgai
   if (seen.size() < kFewest) return std::nullopt;
   // Where nothing belongs together a match is anywhere in the image. Less than one such pose of all
   // that were tried is good enough for a guess that confirmPose looks into.
-  const double reach = kTolerance * sideOf(camera);
+  const double reach = kTolerance * camera.longerSide();
   const double by_chance = M_PI * reach * reach / (camera.width() * camera.height());
   if (!agreeBeyondChance(kMaxSamples, 1.0, seen.size(), matches.size(), kSampleSize, by_chance)) {
     return std::nullopt;

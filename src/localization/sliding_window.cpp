@@ -4,7 +4,6 @@
 #include <set>
 #include <utility>
 
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/solver.h"
@@ -223,9 +222,7 @@ std::vector<std::int64_t> SlidingWindow::tracksAtOdds(const Rigid3& pose,
     const auto view = viewOf(found->second, track);
     if (view) points.push_back({track.id, *view, found->second.sightings.size() > 1});
   }
-  return movingTracks(
-      camera_, pose, points,
-      options_.gross_residual_share * longerSide(camera_.width(), camera_.height()));
+  return movingTracks(camera_, pose, points, options_.gross_residual_share * camera_.longerSide());
 }
 
 std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
@@ -281,8 +278,7 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
   rememberInverseDepth(segment, conditioning);
   if (!trusted_) return outlier_ids;
   block.sigma_scale = std::max(1.0, medianResidualScale(block, camera_));
-  const double min_px =
-      options_.gross_residual_share * longerSide(camera_.width(), camera_.height());
+  const double min_px = options_.gross_residual_share * camera_.longerSide();
   for (const int l : grossMisfits(block, camera_, kGrossSigmas, min_px)) {
     outlier_ids.push_back(segment.landmarks[l].track_id);
   }

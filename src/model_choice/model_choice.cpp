@@ -6,7 +6,6 @@
 #include <limits>
 
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
@@ -78,8 +77,7 @@ class Trials {
   }
 
   bool isUseful(double error) const {
-    const Camera& camera = trials_.front().camera;
-    return error < square(kUselessUncertaintyShare * longerSide(camera.width(), camera.height()));
+    return error < square(kUselessUncertaintyShare * trials_.front().camera.longerSide());
   }
 
   std::vector<ModelEvidence> evidence(const std::string& chosen, double variance) const {

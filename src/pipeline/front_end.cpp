@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "camera_self_calibration/base/stamp.h"
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/map/rolling_shutter.h"
 #include "camera_self_calibration/tracking/tracker.h"
 
@@ -59,9 +58,7 @@ void FrontEnd::adopt(const CalibrationUpdate& update) {
   handed_over_ = update.handed_over;
   // A beginning that follows another one is sent as well, though nothing is known yet.
   knows_lens_ = handed_over_ || std::isfinite(update.uncertainty_px);
-  well_known_ =
-      handed_over_ && update.uncertainty_px <
-                          kWellKnown * longerSide(update.camera.width(), update.camera.height());
+  well_known_ = handed_over_ && update.uncertainty_px < kWellKnown * update.camera.longerSide();
   const Rigid3 newest = window_.newestPose();
   if (update.epoch != epoch_) {
     epoch_ = update.epoch;

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/queue/weak_directions.h"
 
@@ -47,9 +46,8 @@ std::string limitToLeave(const HealthEvidence& evidence) {
 
 bool isUnobserved(const HealthEvidence& evidence, const Camera& camera, bool was_unobserved) {
   if (!evidence.has_estimate || evidence.information.size() == 0) return false;
-  const double limit_px = kDegenerateUncertaintyShare *
-                          longerSide(camera.width(), camera.height()) /
-                          (was_unobserved ? kHysteresis : 1.0);
+  const double limit_px =
+      kDegenerateUncertaintyShare * camera.longerSide() / (was_unobserved ? kHysteresis : 1.0);
   return !(evidence.uncertainty.rms < limit_px) ||
          !(scaledEigenvalues(evidence.information)(0) > kUnobservedEigenvalue);
 }

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/plausibility.h"
 
 namespace camera_self_calibration {
@@ -33,7 +32,7 @@ Options Options::withHeld(const Camera& camera) const {
 
 double convergedRms(double asked_px, const Camera& camera) {
   constexpr double kPixelsPerSide = 1.0 / 640.0;
-  return asked_px > 0.0 ? asked_px : kPixelsPerSide * longerSide(camera.width(), camera.height());
+  return asked_px > 0.0 ? asked_px : kPixelsPerSide * camera.longerSide();
 }
 
 double Options::convergedRms(const Camera& camera) const {

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/entropy.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/marginal.h"
@@ -28,8 +27,7 @@ std::string illPosed(const CandidateOptions& options, const Candidate& candidate
     return formatted("the intrinsics are not observable (scaled eigenvalue %.1e, needed: %.1e)",
                      smallest, options.min_scaled_eigenvalue);
   }
-  const double limit = options.max_pixel_uncertainty_share *
-                       longerSide(candidate.camera.width(), candidate.camera.height());
+  const double limit = options.max_pixel_uncertainty_share * candidate.camera.longerSide();
   if (!(candidate.uncertainty.rms < limit)) {
     return formatted("the intrinsics are too uncertain (%.1f px rms, needed: %.1f)",
                      candidate.uncertainty.rms, limit);

@@ -8,7 +8,6 @@
 #include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/noisy_length.h"
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/rig/place_difference.h"
 
 namespace camera_self_calibration {
@@ -104,9 +103,9 @@ PlaceAudit auditPlace(const RigEstimate& estimate, const Rig& given, int camera,
   audit.shift_judged = place.position_known;
   if (audit.shift_judged) {
     audit.shift_deg = shift.norm() / distance / kDegree;
-    audit.shift = distanceOf(shift, place.difference_covariance.bottomRightCorner<3, 3>(),
-                             kTypicalDisparity * longerSide(lens.width(), lens.height()) / distance,
-                             options.tolerance_px);
+    audit.shift =
+        distanceOf(shift, place.difference_covariance.bottomRightCorner<3, 3>(),
+                   kTypicalDisparity * lens.longerSide() / distance, options.tolerance_px);
   }
   decide({audit.turn, audit.shift}, options, &audit);
   say(camera, options, &audit);

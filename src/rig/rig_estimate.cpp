@@ -7,7 +7,6 @@
 
 #include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/base/formatted.h"
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/map/inverse_depth.h"
 #include "camera_self_calibration/pipeline/options.h"
@@ -82,8 +81,7 @@ double PlaceInRig::directionSigma(const Eigen::Vector3d& position) const {
 
 RigLimits rigLimits(const Camera& camera) {
   const double pixels = convergedRms(0.0, camera);
-  return {pixels / camera.parameters()(0),
-          pixels / (kTypicalDisparity * longerSide(camera.width(), camera.height()))};
+  return {pixels / camera.parameters()(0), pixels / (kTypicalDisparity * camera.longerSide())};
 }
 
 RigEstimate describeRig(const Rig& rig, const RigLayout& layout, const Eigen::MatrixXd& covariance,

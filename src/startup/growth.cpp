@@ -7,7 +7,6 @@
 #include <optional>
 #include <utility>
 
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/gate.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/pose_solver.h"
@@ -170,8 +169,7 @@ SharedLandmarks sharedByFirstTwo(const Segment& segment, const Camera& camera) {
 bool placeFromTwoViews(const Camera& camera, Segment* segment) {
   const SharedLandmarks shared = sharedByFirstTwo(*segment, camera);
   const double focal = camera.parameters().head<2>().minCoeff();
-  const auto views =
-      relateViews(shared.rays, kGrossShare * longerSide(camera.width(), camera.height()) / focal);
+  const auto views = relateViews(shared.rays, kGrossShare * camera.longerSide() / focal);
   if (!views) return false;
   std::vector<double> triangulated;
   for (const double inverse_depth : views->inverse_depths) {
@@ -213,8 +211,8 @@ std::optional<Growth> grownFromTwoViews(const GrowthOptions& options, Growth gro
 bool ranAway(const Camera& camera) {
   // Of the longer side: a lens that sees all around (2 pi) in a circle over a third of the image.
   constexpr double kShortestFocal = 0.05;
-  return !camera.valid() || camera.parameters().head<2>().minCoeff() <
-                                kShortestFocal * longerSide(camera.width(), camera.height());
+  return !camera.valid() ||
+         camera.parameters().head<2>().minCoeff() < kShortestFocal * camera.longerSide();
 }
 
 double growByKeyframe(const GrowthOptions& options, int k, Segment* segment, Camera* camera) {

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "camera_self_calibration/base/parallel.h"
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/rigid_gate.h"
 #include "camera_self_calibration/estimation/robust.h"
@@ -55,7 +54,7 @@ bool continues(const Segment& solved, const Segment& history) {
 
 IntrinsicsPrior vaguePrior(const Camera& about) {
   IntrinsicsPrior prior{about.parameters(), about.parameters()};
-  const double side = longerSide(about.width(), about.height());
+  const double side = about.longerSide();
   prior.sigma.fill(about.model() == CameraModel::kEquidistant ? 0.3 : 1.0);
   prior.sigma.head<2>().fill(0.7 * side);
   prior.sigma.segment<2>(2).fill(0.2 * side);
@@ -135,15 +134,13 @@ Camera Startup::heldCamera() const {
   if (isInformative()) return camera_;
   Camera trusted = trusted_;
   trusted.setEstimateK3(camera_.estimatedCount() == kMaxIntrinsics);
-  return withWeakDirectionsHeld(
-      camera_, information_, trusted,
-      options_.useless_uncertainty_share * longerSide(camera_.width(), camera_.height()));
+  return withWeakDirectionsHeld(camera_, information_, trusted,
+                                options_.useless_uncertainty_share * camera_.longerSide());
 }
 
 bool Startup::isInformative() const {
   return usable_ &&
-         whole_image_uncertainty_.rms <
-             options_.useless_uncertainty_share * longerSide(camera_.width(), camera_.height());
+         whole_image_uncertainty_.rms < options_.useless_uncertainty_share * camera_.longerSide();
 }
 
 void Startup::add(const Segment& history) {

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "camera_self_calibration/base/parallel.h"
-#include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
@@ -23,7 +22,7 @@ constexpr double kClearlyLess = 0.98;   // of a cost: another minimum, not the s
 // Default guesses of the model of `initial`, but with other focal lengths.
 std::vector<Camera> otherGuesses(const Camera& initial) {
   std::vector<Camera> guesses;
-  const double side = longerSide(initial.width(), initial.height());
+  const double side = initial.longerSide();
   for (const double focal : {0.35, 0.5, 0.75, 1.1}) {
     for (const double w : {1.0, 0.6}) {
       Intrinsics parameters =

@@ -134,7 +134,7 @@ class Runner {
     }
     outcome_.worst_ratio = std::max(outcome_.worst_ratio, ratio);
     outcome_.worst_sigmas = std::max(outcome_.worst_sigmas, sigmas);
-    const double one_px = trial_.truth.width() / 640.0;
+    const double one_px = convergedRms(0.0, trial_.truth);
     if (error > one_px && (ratio > 5.0 || sigmas > 5.0)) outcome_.false_converged = true;
     constexpr double kPassageS = 6.0;  // from the end of one motion to the other: informative
     if (!trial_.good_first || time_s_ < trial_.good_s + kPassageS) return;

@@ -75,8 +75,7 @@ class Runner {
 
   bool isFalse(const CalibrationReport& report) const {
     const double error = pixelDistance(trial_.truth, report.camera).rms;
-    const double width_share = trial_.truth.width() / 640.0;
-    return error > 1.0 * width_share &&
+    return error > convergedRms(0.0, trial_.truth) &&
            (error > 5.0 * report.uncertainty.rms || worstSigmas(report) > 5.0);
   }
 

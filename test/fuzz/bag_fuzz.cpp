@@ -223,8 +223,11 @@ extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* bytes, std::size_t 
   }
   const bool moves = random() % 4 == 0;
   for (unsigned left = 1 + random() % kMostChanges; left > 0; --left) {
-    if (!moves) changeNumber(bytes, size, &random);
-    if (moves) size = LLVMFuzzerMutate(bytes, size, most);
+    if (moves) {
+      size = LLVMFuzzerMutate(bytes, size, most);
+    } else {
+      changeNumber(bytes, size, &random);
+    }
   }
   return size;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -55,6 +56,8 @@ class Camera {
   CameraModel model() const { return model_; }
   int width() const { return width_; }
   int height() const { return height_; }
+  /// What lengths in its images are measured by: the same whichever way up it is held.
+  int longerSide() const { return std::max(width_, height_); }
   const Intrinsics& parameters() const { return parameters_; }
   int parameterCount() const { return static_cast<int>(parameters_.size()); }
 
