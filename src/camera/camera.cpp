@@ -63,7 +63,7 @@ Camera::Camera(CameraModel model, int width, int height, const Intrinsics& param
 }
 
 Camera Camera::defaultGuess(CameraModel model, int width, int height) {
-  const double focal = 0.5 * longerSide(width, height);
+  const double focal = 0.5 * camera_self_calibration::longerSide(width, height);
   Intrinsics parameters = Intrinsics::Zero(parameterCount(model));
   parameters.head<4>() << focal, focal, 0.5 * (width - 1), 0.5 * (height - 1);
   if (model == CameraModel::kFov) parameters[4] = 1.0;
