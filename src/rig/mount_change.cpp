@@ -21,7 +21,7 @@ constexpr double kDoubt = 1e-2;
 constexpr double kConfused = 1e-3;
 // Share of a statistic by which likelihoods that are taken as quadratic may be wrong, as far from
 // where they were taken as a change that is as plain as that: two explanations that differ by less
-// explain as well.
+// explain as well. An explanation that leaves no more than the sigmas say needs no such allowance.
 constexpr double kNotQuadratic = 0.05;
 // Shares of a segment that lie after the change, where it came within a segment: what such a
 // segment says lies between the two, by about this share.
@@ -89,7 +89,9 @@ class MountAccount {
   Explanation since(const Onset& onset, const Eigen::MatrixXd& basis) const;
   Explanation likeliest(const std::vector<Eigen::MatrixXd>& bases) const;
   Explanation outlier() const;
+  Scatter left(const Explanation& explanation) const;
   Scatter scatterAfter(const Explanation& explanation) const;
+  bool explainsAll(const Explanation& mount) const;
   double varianceUnder(const Explanation& explanation) const;
   double pValue(const Explanation& explanation, double choices) const;
   MountChange describe(const Explanation& explanation) const;
@@ -196,11 +198,28 @@ Explanation MountAccount::outlier() const {
   return best;
 }
 
-// What is left under the explanation, moderated by the sigmas themselves.
+Scatter MountAccount::left(const Explanation& explanation) const {
+  return {std::max(0.0, scatter_.chi_square - explanation.statistic),
+          std::max(0, scatter_.freedom - explanation.freedom)};
+}
+
+// What is left, moderated by the sigmas themselves.
 Scatter MountAccount::scatterAfter(const Explanation& explanation) const {
-  return Scatter{std::max(0.0, scatter_.chi_square - explanation.statistic),
-                 std::max(0, scatter_.freedom - explanation.freedom)}
-      .moderated();
+  return left(explanation).moderated();
+}
+
+// Whether what a change of mount leaves is no more than the sigmas say, but for chance. No rig
+// explains a segment within which it may have happened, the last one before.
+bool MountAccount::explainsAll(const Explanation& mount) const {
+  const std::size_t within = mount.onset.first - 1;
+  if (within == 0) return false;
+  std::vector<RigLikelihood> others = segments_;
+  others.erase(others.begin() + static_cast<std::ptrdiff_t>(within));
+  const MountAccount account(others, reference_);
+  if (!account.usable()) return false;
+  const Scatter rest =
+      account.left(account.since({within, 0.0}, chart_.mountBases()[mount.camera]));
+  return rest.freedom > 0 && chiSquareExceedance(rest.chi_square, rest.freedom) > kConfused;
 }
 
 // By which the sigmas are too small.
@@ -249,8 +268,9 @@ MountVerdict MountAccount::conclude(double level) const {
   verdict.change = describe(mount);
   verdict.change.p_value = p_value;
   verdict.certain = p_value < level;
-  const double margin = std::max(varianceUnder(mount) * chiSquareQuantile(mount.freedom, kConfused),
-                                 kNotQuadratic * mount.statistic);
+  const double chance = varianceUnder(mount) * chiSquareQuantile(mount.freedom, kConfused);
+  const double margin =
+      explainsAll(mount) ? chance : std::max(chance, kNotQuadratic * mount.statistic);
   const Explanation lens = likeliest(chart_.lensBases());
   if (mount.statistic - lens.statistic <= margin) verdict.lens = lens.camera;
   const Explanation bad = outlier();

@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <optional>
 
 #include "camera_self_calibration/base/angle.h"
 #include "camera_self_calibration/geometry/so3.h"
@@ -43,6 +44,10 @@ class SegmentsOfVideo {
     for (int i = 0; i < count; ++i) list_.push_back(segmentOf(truth, stated));
   }
 
+  // From now on the second camera's turns are told to this many degrees, but only against its
+  // centre, as with a long focal length: a centre that moved looks the same.
+  void tieTurnsToCentre(double degrees) { tied_degrees_ = degrees; }
+
  private:
   // Poses to 0.05 degrees and 5 mm, lenses to a pixel and 0.01, all correlated.
   RigLikelihood segmentOf(const Rig& truth, double stated) {
@@ -64,6 +69,7 @@ class SegmentsOfVideo {
     Eigen::MatrixXd half = Eigen::MatrixXd::Identity(n, n);
     for (int i = 0; i < n * n; ++i) half(i % n, i / n) += 0.2 * random_.normal();
     half = sigmas.asDiagonal() * half;
+    if (tied_degrees_) tie(layout, *tied_degrees_ / 0.05, truth.cameras[1].parameters()(0), &half);
     Eigen::VectorXd error(n);
     for (int i = 0; i < n; ++i) error(i) = random_.normal();
     error = half * error;
@@ -81,7 +87,16 @@ class SegmentsOfVideo {
     return segment;
   }
 
+  static void tie(const RigLayout& layout, double factor, double focal, Eigen::MatrixXd* half) {
+    const int turn = layout.pose_at[1];
+    const int centre = layout.intrinsics_at[1] + 2;
+    half->middleRows(turn, 3) *= factor;
+    half->row(turn) -= half->row(centre + 1) / focal;
+    half->row(turn + 1) += half->row(centre) / focal;
+  }
+
   Random random_;
+  std::optional<double> tied_degrees_;
   std::vector<RigLikelihood> list_;
 };
 
@@ -191,6 +206,35 @@ TEST(JudgeMounts, ALensThatChangedIsNoMount) {
     segments.see(zoomed, 4);
     EXPECT_NE(judgeMounts(segments.list(), rig, kLevel).kind, MountVerdict::Kind::kChange);
   }
+}
+
+// A centre that moved explains all but one part in a thousand of it; the turn explains the rest,
+// too.
+TEST(JudgeMounts, ATurnThatALensNearlyExplainsIsToldIfItLeavesNothing) {
+  const Rig rig = rigOf(2);
+  const Rig turned = moved(rig, turnOf(1, {0.0, 1.0, 0.0}));
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    SegmentsOfVideo segments(seed);
+    segments.tieTurnsToCentre(0.005);
+    segments.see(rig, 4);
+    segments.see(turned, 4);
+    const MountVerdict verdict = judgeMounts(segments.list(), rig, kLevel);
+    ASSERT_EQ(verdict.kind, MountVerdict::Kind::kChange) << seed;
+    EXPECT_EQ(verdict.lens, std::nullopt);
+    EXPECT_NEAR(verdict.change.angle(), 1.0 * kDegree, 5.0 * verdict.change.angleSigma());
+  }
+}
+
+// The same where segments scatter by three times their sigmas: who knows what the rest is.
+TEST(JudgeMounts, ATurnThatALensNearlyExplainsIsInDoubtIfItLeavesMore) {
+  const Rig rig = rigOf(2);
+  SegmentsOfVideo segments(7);
+  segments.tieTurnsToCentre(0.005);
+  segments.see(rig, 4, 9.0);
+  segments.see(moved(rig, turnOf(1, {0.0, 1.0, 0.0})), 4, 9.0);
+  const MountVerdict verdict = judgeMounts(segments.list(), rig, kLevel);
+  EXPECT_EQ(verdict.kind, MountVerdict::Kind::kDoubt);
+  EXPECT_EQ(verdict.lens, 1);
 }
 
 TEST(JudgeMounts, TwoSegmentsTellNothing) {
