@@ -209,10 +209,11 @@ Scatter MountAccount::scatterAfter(const Explanation& explanation) const {
 }
 
 // Whether what a change of mount leaves is no more than the sigmas say, but for chance. No rig
-// explains a segment within which it may have happened, the last one before.
+// explains a segment within which it may have happened, the last one before; and some move explains
+// any single segment after it.
 bool MountAccount::explainsAll(const Explanation& mount) const {
   const std::size_t within = mount.onset.first - 1;
-  if (within == 0) return false;
+  if (within == 0 || segments_.size() < mount.onset.first + 2) return false;
   std::vector<RigLikelihood> others = segments_;
   others.erase(others.begin() + static_cast<std::ptrdiff_t>(within));
   const MountAccount account(others, reference_);

@@ -225,6 +225,23 @@ TEST(JudgeMounts, ATurnThatALensNearlyExplainsIsToldIfItLeavesNothing) {
   }
 }
 
+// The segment within which it happened says something of its own.
+TEST(JudgeMounts, WhatItHappenedWithinIsNotAskedOfTheTurn) {
+  const Rig rig = rigOf(2);
+  SegmentsOfVideo segments(7);
+  segments.tieTurnsToCentre(0.005);
+  segments.see(rig, 4);
+  segments.see(moved(rig, turnOf(1, {0.08, 0.0, 0.0})), 1);
+  const Rig turned = moved(rig, turnOf(1, {0.0, 1.0, 0.0}));
+  segments.see(turned, 1);
+  // Some turn explains any one segment.
+  EXPECT_EQ(judgeMounts(segments.list(), rig, kLevel).kind, MountVerdict::Kind::kDoubt);
+  segments.see(turned, 3);
+  const MountVerdict verdict = judgeMounts(segments.list(), rig, kLevel);
+  ASSERT_EQ(verdict.kind, MountVerdict::Kind::kChange);
+  EXPECT_EQ(verdict.index, 5u);
+}
+
 // The same where segments scatter by three times their sigmas: who knows what the rest is.
 TEST(JudgeMounts, ATurnThatALensNearlyExplainsIsInDoubtIfItLeavesMore) {
   const Rig rig = rigOf(2);
