@@ -3,7 +3,8 @@
 //   change_benchmark alarms HOURS RATE [FIRST_SEED]     alarms while nothing changes
 //   change_benchmark many CHANGES [SECONDS] [SEED]      time and memory over many changes
 // Trials of different seeds are independent: several processes may share the work. KIND ("+1 %",
-// "drift") leaves the kinds without it in their names out, and each trial then gets its own line.
+// "drift") leaves the kinds without it in their names out, and each trial then gets its own line on
+// standard error.
 
 #include <algorithm>
 #include <cmath>
@@ -125,33 +126,28 @@ struct Row {
   std::vector<double> delays, errors;
 };
 
+double worstOf(const std::vector<double>& values) {
+  return values.empty() ? NAN : *std::max_element(values.begin(), values.end());
+}
+
 void printRow(const Kind& kind, CameraModel model, const Row& row) {
-  std::printf("%-18s %-12s %3d trials: noticed %3zu, within %2.0f s %3d, before the change %d; ",
-              kind.name, toString(model).c_str(), row.trials, row.delays.size(), kind.limit_s,
-              row.in_time, row.early);
-  if (!row.delays.empty()) {
-    const double worst = *std::max_element(row.delays.begin(), row.delays.end());
-    std::printf("delay median %.2f s, worst %.2f s; ", median(row.delays, 0.0), worst);
-  }
-  if (!row.errors.empty()) {
-    const double worst = *std::max_element(row.errors.begin(), row.errors.end());
-    std::printf(
-        "error at the end median %.2f px, worst %.2f px, while CONVERGED %.2f px, "
-        "%.0f %% of that time above 3 sigma",
-        median(row.errors, 0.0), worst, row.worst, 100.0 * row.outside / std::max(1, row.checks));
-  }
-  std::printf("\n");
+  std::printf(
+      "| %s | %s | %d | %zu, %d within %.0f s | %d | %.2f, %.2f | %.2f, %.2f | %.2f | %.0f %% |\n",
+      kind.name, toString(model).c_str(), row.trials, row.delays.size(), row.in_time, kind.limit_s,
+      row.early, median(row.delays, NAN), worstOf(row.delays), median(row.errors, NAN),
+      worstOf(row.errors), row.worst, 100.0 * row.outside / std::max(1, row.checks));
   std::fflush(stdout);
 }
 
 void printTrial(const Scenario& scenario, const Outcome& outcome) {
-  std::printf("  %-12s seed %llu: error %.2f px, sigma %.2f px; %s\n",
-              toString(scenario.model).c_str(),
-              static_cast<unsigned long long>(scenario.tracks.seed),
-              pixelDistance(outcome.truth, outcome.report.camera).rms,
-              outcome.report.uncertainty.rms, outcome.report.sentence.c_str());
+  std::fprintf(stderr, "  %-12s seed %llu: error %.2f px, sigma %.2f px; %s\n",
+               toString(scenario.model).c_str(),
+               static_cast<unsigned long long>(scenario.tracks.seed),
+               pixelDistance(outcome.truth, outcome.report.camera).rms,
+               outcome.report.uncertainty.rms, outcome.report.sentence.c_str());
   for (const Event& event : outcome.changes) {
-    std::printf("    %.1f s: %s\n", toSeconds(event.stamp_ns - kStartNs), event.sentence.c_str());
+    std::fprintf(stderr, "    %.1f s: %s\n", toSeconds(event.stamp_ns - kStartNs),
+                 event.sentence.c_str());
   }
 }
 
@@ -191,6 +187,11 @@ void benchmarkKind(const Kind& kind, CameraModel model, int trials, std::uint64_
 }
 
 int benchmarkDelays(int trials, std::uint64_t first_seed, const std::string& asked) {
+  std::printf(
+      "| change | lens | trials | noticed | before the change | delay, median, worst [s] "
+      "| error at the end, median, worst [px] | while CONVERGED, worst [px] "
+      "| of that time above 3 sigma |\n"
+      "|---|---|---|---|---|---|---|---|---|\n");
   for (const Kind& kind : kinds()) {
     if (std::string(kind.name).find(asked) == std::string::npos) continue;
     for (const CameraModel model : {CameraModel::kPinhole, CameraModel::kFov, CameraModel::kRadtan,
@@ -203,22 +204,10 @@ int benchmarkDelays(int trials, std::uint64_t first_seed, const std::string& ask
   return 0;
 }
 
-// How often p-values are as small as they claim to be: at most in their own share of the tests.
-void printPValues(const std::vector<double>& p_values) {
-  std::printf("  p-values of %zu tests:", p_values.size());
-  for (const double limit : {0.5, 0.1, 0.01, 1e-3, 1e-4, 1e-5}) {
-    const auto below =
-        std::count_if(p_values.begin(), p_values.end(), [&](double p) { return p < limit; });
-    std::printf(" %ld below %g", static_cast<long>(below), limit);
-  }
-  std::printf("\n");
-}
-
 int benchmarkAlarms(double hours, double rate, std::uint64_t first_seed) {
   constexpr double kChunkS = 600.0;
-  int alarms = 0;
+  std::size_t alarms = 0;
   std::vector<double> p_values;
-  double done = 0.0;
   const int chunks = static_cast<int>(std::ceil(hours * 3600.0 / kChunkS));
   for (int i = 0; i < chunks; ++i) {
     Scenario scenario;
@@ -231,18 +220,28 @@ int benchmarkAlarms(double hours, double rate, std::uint64_t first_seed) {
     scenario.false_alarms_per_hour = rate;
     const Camera camera = randomLens(scenario.model, 640, 480, scenario.tracks.seed).camera;
     const Outcome outcome = runScenario(scenario, camera, nullptr, 0.0);
-    alarms += static_cast<int>(outcome.changes.size());
-    done += kChunkS / 3600.0;
-    std::printf("%-12s seed %llu: %zu alarms, %s, error %.3f px; so far %d in %.2f h at %g/h\n",
+    alarms += outcome.changes.size();
+    std::printf("%-12s seed %llu: %zu alarms, %s, error %.3f px; so far %zu in %.2f h\n",
                 toString(scenario.model).c_str(),
                 static_cast<unsigned long long>(scenario.tracks.seed), outcome.changes.size(),
                 toString(outcome.report.state).c_str(),
-                pixelDistance(outcome.truth, outcome.report.camera).rms, alarms, done, rate);
+                pixelDistance(outcome.truth, outcome.report.camera).rms, alarms,
+                (i + 1) * kChunkS / 3600.0);
     p_values.insert(p_values.end(), outcome.p_values.begin(), outcome.p_values.end());
-    if (i % 6 == 5 || i + 1 == chunks) printPValues(p_values);
     for (const Event& event : outcome.changes) std::printf("  %s\n", event.sentence.c_str());
     std::fflush(stdout);
   }
+  // p-values are as small as they claim at most in their own share of the tests.
+  std::printf(
+      "\n| set rate [1/h] | hours | alarms | tests of a keyframe | p < 0.1 | p < 0.01 | p < 0.001 "
+      "|\n|---|---|---|---|---|---|---|\n| %g | %.1f | %zu | %zu |",
+      rate, chunks * kChunkS / 3600.0, alarms, p_values.size());
+  for (const double limit : {0.1, 0.01, 0.001}) {
+    const auto below =
+        std::count_if(p_values.begin(), p_values.end(), [&](double p) { return p < limit; });
+    std::printf(" %ld |", static_cast<long>(below));
+  }
+  std::printf("\n");
   return 0;
 }
 

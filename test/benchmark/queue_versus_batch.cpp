@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -154,44 +155,36 @@ void print(const std::string& name, const Row& row) {
   std::fflush(stdout);
 }
 
-void printSpread(const char* name, std::vector<double> values, const char* unit) {
-  values.erase(std::remove_if(values.begin(), values.end(), [](double v) { return v != v; }),
-               values.end());
-  if (values.empty()) return;
-  std::printf("%-58s median %8.4f  worst %8.4f %s  (%zu sequences)\n", name, median(values, 0.0),
-              *std::max_element(values.begin(), values.end()), unit, values.size());
+std::string spread(const std::vector<Row>& rows, double (*value)(const Row&), int decimals) {
+  std::vector<double> values;
+  for (const Row& row : rows) {
+    if (!std::isnan(value(row))) values.push_back(value(row));
+  }
+  if (values.empty()) return "-";
+  char text[64];
+  std::snprintf(text, sizeof(text), "%.*f (%.*f)", decimals, median(values, 0.0), decimals,
+                *std::max_element(values.begin(), values.end()));
+  return text;
 }
 
-void printSummary(const std::vector<Row>& rows) {
-  const auto all = [&](double (*value)(const Row&)) {
-    std::vector<double> values;
-    for (const Row& row : rows) values.push_back(value(row));
-    return values;
-  };
-  int inside = 0;
-  int loosely = 0;
-  int parameters = 0;
-  int converged = 0;
+void printSummary(const std::string& lens, const std::vector<Row>& rows) {
+  int inside = 0, parameters = 0, converged = 0;
   for (const Row& row : rows) {
     inside += row.inside;
-    loosely += row.inside_loosely;
     parameters += row.parameters;
     converged += row.converged;
   }
-  std::printf("\nconverged: %d of %zu\n", converged, rows.size());
-  printSpread("queue from the truth", all([](const Row& r) { return r.queue_px; }), "px rms");
-  printSpread("batch from the truth", all([](const Row& r) { return r.batch_px; }), "px rms");
-  printSpread("ratio", all([](const Row& r) { return r.queue_px / r.batch_px; }), "");
-  std::printf("queue - batch inside 3 sqrt(diag(C_queue - C_batch)): %.1f %% of %d parameters\n",
-              100.0 * inside / std::max(1, parameters), parameters);
-  std::printf("queue - batch inside 3 sqrt(diag(C_queue + C_batch)): %.1f %%\n",
-              100.0 * loosely / std::max(1, parameters));
-  printSpread("trajectories apart before hand-over, of the way",
-              all([](const Row& r) { return 100.0 * r.startup_share; }), "%");
-  printSpread("trajectories apart after hand-over, of the way",
-              all([](const Row& r) { return 100.0 * r.share; }), "%");
-  printSpread("ATE self-calibrating", all([](const Row& r) { return r.ate_self; }), "m");
-  printSpread("ATE true intrinsics", all([](const Row& r) { return r.ate_fixed; }), "m");
+  const auto column = [&](double (*value)(const Row&), int decimals) {
+    return spread(rows, value, decimals);
+  };
+  std::printf("| %s | %d of %zu | %s | %s | %s | %d of %d | %s | %s | %s | %s |\n", lens.c_str(),
+              converged, rows.size(), column([](const Row& r) { return r.queue_px; }, 3).c_str(),
+              column([](const Row& r) { return r.batch_px; }, 3).c_str(),
+              column([](const Row& r) { return r.queue_px / r.batch_px; }, 1).c_str(), inside,
+              parameters, column([](const Row& r) { return 100.0 * r.startup_share; }, 1).c_str(),
+              column([](const Row& r) { return 100.0 * r.share; }, 3).c_str(),
+              column([](const Row& r) { return 1e3 * r.ate_self; }, 1).c_str(),
+              column([](const Row& r) { return 1e3 * r.ate_fixed; }, 1).c_str());
 }
 
 int run(const Arguments& arguments) {
@@ -201,15 +194,25 @@ int run(const Arguments& arguments) {
       "later | ATE self [m] | ATE true intrinsics [m] |\n"
       "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   std::vector<Row> rows;
+  std::map<std::string, std::vector<Row>> by_lens;
   for (int i = 0; i < arguments.sequences; ++i) {
     const RandomSequence trial = sequenceOf(arguments, i);
+    const std::string lens = toString(trial.options.lens.camera.model());
     rows.push_back(runTrial(trial.options));
-    print(toString(trial.options.lens.camera.model()) + ", seed " +
-              std::to_string(arguments.first_seed + static_cast<std::uint64_t>(i)) + ", " +
-              trial.motion,
+    by_lens[lens].push_back(rows.back());
+    print(lens + ", seed " + std::to_string(arguments.first_seed + static_cast<std::uint64_t>(i)) +
+              ", " + trial.motion,
           rows.back());
   }
-  printSummary(rows);
+  std::printf(
+      "\nMedians, and the worst in brackets:\n\n"
+      "| lens | CONVERGED | queue from the truth [px rms] | batch from the truth [px rms] "
+      "| queue / batch | parameters whose difference is inside 3 sigma "
+      "| trajectories apart during startup [%%] | later [%%] | ATE [mm] "
+      "| ATE with the true intrinsics [mm] |\n"
+      "|---|---|---|---|---|---|---|---|---|---|\n");
+  for (const auto& [lens, its_rows] : by_lens) printSummary(lens, its_rows);
+  printSummary("all", rows);
   return 0;
 }
 

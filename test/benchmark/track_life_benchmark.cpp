@@ -66,10 +66,12 @@ struct Contender {
   }
 };
 
-void print(const std::string& input, const Contender& contender, int images) {
+void print(const std::string& input, const std::string& topic, const Contender& contender,
+           int images) {
   const std::size_t slash = input.find_last_of('/') + 1;  // npos + 1 is 0
-  std::printf("| %s | %s | %.2f | %.1f %% | %.1f | %.2f |", input.substr(slash).c_str(),
-              contender.name, contender.lives.mean(), 100.0 * contender.lives.endedAtOnce(),
+  const std::string name = input.substr(slash) + (topic.empty() ? "" : ", " + topic);
+  std::printf("| %s | %s | %.2f | %.1f %% | %.1f | %.2f |", name.c_str(), contender.name,
+              contender.lives.mean(), 100.0 * contender.lives.endedAtOnce(),
               contender.lives.tracksAnImage(images), 1e3 * contender.seconds / images);
   if (contender.errors) {
     std::printf(" %.3f | %.2f %% | %.2f |", contender.errors->median(),
@@ -108,8 +110,8 @@ void judge(const Arguments& arguments, const std::string& input) {
     klt.see(stamp_ns, flowed, klt_tracker.begun());
   }
   if (images == 0) throw std::runtime_error(input + " holds no images");
-  print(input, ours, images);
-  print(input, klt, images);
+  print(input, arguments.topic, ours, images);
+  print(input, arguments.topic, klt, images);
 }
 
 Arguments read(int argc, char** argv) {

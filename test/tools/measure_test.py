@@ -12,7 +12,9 @@ import unittest.mock
 SCRIPTS = pathlib.Path(sys.argv.pop(1))
 sys.path.insert(0, str(SCRIPTS))
 
+import measure_program
 import measure_tables
+import measure_video
 
 
 def load(name):
@@ -54,7 +56,7 @@ class Measure(unittest.TestCase):
             self.assertIn(table.programs[0], table.command)
             self.assertEqual(subprocess.run(["bash", "-nc", table.command]).returncode, 0)
             self.assertNotIn("{}", table.command)
-        self.assertEqual(measure_tables.shell_command("a {} b", (0, 0.5)),
+        self.assertEqual(measure_program.shell_command("a {} b", (0, 0.5)),
                          "for v in 0 0.5; do a $v b; done")
 
     def test_refuses_a_commit_on_no_branch(self):
@@ -71,24 +73,24 @@ class Measure(unittest.TestCase):
 
     def test_takes_the_last_table_that_a_program_prints(self):
         text = "| trial |\n|---|\n| 1 |\n\n| summary |\n|---|\n| 2 |\ndone\n"
-        self.assertEqual(measure_tables.last_table(text), ["| summary |", "|---|", "| 2 |"])
+        self.assertEqual(measure_program.last_table(text), ["| summary |", "|---|", "| 2 |"])
         with self.assertRaises(ValueError):
-            measure_tables.last_table("nothing")
+            measure_program.last_table("nothing")
 
     def test_an_estimate_has_the_digits_of_its_sigma(self):
         summary = {"camera": {"params": {"fx": 311.20199, "w": 0.93},
                               "sigma": {"fx": 0.0174, "w": 0.0}}}
-        self.assertEqual(measure_tables.estimate(summary), "fx 311.202 ± 0.017")
+        self.assertEqual(measure_video.estimate(summary), "fx 311.202 ± 0.017")
         summary["camera"]["sigma"]["fx"] = None
-        self.assertEqual(measure_tables.estimate(summary), "none")
+        self.assertEqual(measure_video.estimate(summary), "none")
 
     def test_an_error_is_never_printed_in_powers_of_ten(self):
-        self.assertEqual([measure_tables.two_digits(px) for px in (0.0154, 2.545, 142.4)],
+        self.assertEqual([measure_video.two_digits(px) for px in (0.0154, 2.545, 142.4)],
                          ["0.015", "2.5", "142"])
 
     def test_says_what_is_missing(self):
-        places = measure_tables.Places(pathlib.Path("build"), None)
-        with self.assertRaises(measure_tables.NotMeasured):
+        places = measure_program.Places(pathlib.Path("build"), None)
+        with self.assertRaises(measure_program.NotMeasured):
             places.bag("room.bag")
 
 
