@@ -28,6 +28,7 @@ TABLES = (
           "calibrate_bag BAG --out DIR", measure_video.chosen),
     Table("named", "doc/quality.md", JUDGED,
           "calibrate_bag BAG --model MODEL --start S --out DIR", measure_video.named),
+    printed("relocalization", "doc/live.md", "relocalization_benchmark 8"),
     printed("misfit", "doc/quality.md", "misfit_benchmark --sequences 32 --first-seed 9001"),
     printed("audit", "doc/audit.md", "audit_benchmark"),
     Table("audited", "doc/audit.md", ("calibrate_bag",),
