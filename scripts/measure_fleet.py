@@ -27,4 +27,4 @@ def merging(places):
                 raise ValueError(f"merge_calibrations ended with {merge.returncode}")
             rows.append([f"{len(files)}", f"{cameras}", f"{size / 1e9:.2f} GB",
                          f"{usage.ru_utime + usage.ru_stime:.1f} s", f"{usage.ru_maxrss / 1024:.0f} MB", f"{took:.0f} s"])
-    return table(["states", "cameras", "on disk", "time of the processor", "memory", "time of the clock"], rows)
+    return table(["states", "cameras", "on disk", "CPU time", "memory", "wall time"], rows)

@@ -164,9 +164,9 @@ def trajectory(places):
     of = calibrate(places, "room_fov.bag", ["--model", "fov", "--reference-calibration", bag + ".truth.yaml",
                                             "--ground-truth", bag + ".gt.tum"])["trajectory"]
     ate = "{:.1f} mm over {:.1f} m"
-    rows = [["from the run with the true calibration, until hand-over, of the way",
-             f"{100 * of['reference_until_handover']['share_of_way']:.3f} %"],
-            ["the same after hand-over", f"{100 * of['reference_after_handover']['share_of_way']:.3f} %"]]
+    rows = [[f"from the run with the true calibration, {when} hand-over",
+             f"{100 * of[f'reference_{when}_handover']['share_of_way']:.3f} % of the distance travelled"]
+            for when in ("until", "after")]
     for name, key in (("ATE after hand-over", "ground_truth_after_handover"),
                       ("the same with the true calibration", "ground_truth_with_reference_calibration")):
         rows.append([name, ate.format(1e3 * of[key]["ate_rms"], of[key]["travelled"])])
