@@ -143,7 +143,10 @@ bool BlockLinearization::linearize(const Observation& observation, Eigen::Index 
   auto displaced = rows.middleCols(shared + intrinsics_, DisplacementBasis::kCount);
   if (!segment_.isLensHeld(observation.keyframe)) {
     rows.middleCols(shared, intrinsics_) = scale * j.intrinsics.leftCols(intrinsics_);
-    displaced = scale * basis_.at(observation.pixel);
+    // Not where the feature was observed: what noise does to a displacement there goes with the
+    // residual, so that the gradient would gain a trace of d displacement / d pixel with each
+    // observation. Where the motion hardly shows a displacement, that is many sigmas.
+    displaced = scale * basis_.at(prediction);
   }
   if (landmark_->anchored && !segment_.isLensHeld(landmark_->reference)) {
     rows.middleCols(shared, intrinsics_) += scale * j.ray * d_ray_.leftCols(intrinsics_);

@@ -60,6 +60,19 @@ TEST(Degenerate, TurningOnTheSpotConverges) {
   EXPECT_LT(outcome.worst_sigmas, 4.0);
 }
 
+// Any displacement of the pixels that follows their curves changes nothing here: the noise must not
+// look like one, as if no model described the lens.
+TEST(Degenerate, TurningAboutOneAxisSpeaksAgainstNoLens) {
+  for (const Degeneracy degeneracy : {Degeneracy::kPan, Degeneracy::kTilt}) {
+    DegenerateTrial trial = trialOf(degeneracy, CameraModel::kRadtan, 11);
+    trial.degenerate_s = 25.0;
+    trial.rate_hz = 15.0;
+    const DegenerateOutcome outcome = runAndTell(trial);
+    EXPECT_EQ(outcome.state, "CONVERGED");
+    EXPECT_LT(outcome.worst_ratio, 3.0);
+  }
+}
+
 TEST(Degenerate, AConvergedCalibrationIsLeftAsItIs) {
   for (const Degeneracy degeneracy : {Degeneracy::kForward, Degeneracy::kStanding}) {
     DegenerateTrial trial = trialOf(degeneracy, CameraModel::kRadtan, 4);
