@@ -5,7 +5,7 @@ import subprocess
 import tempfile
 import time
 
-from measure_video import table
+from measure_program import table
 
 
 def merging(places):

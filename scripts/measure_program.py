@@ -51,6 +51,12 @@ class Table:
     measure: Callable[[Places], str]  # Gives the table in Markdown.
 
 
+def table(header, rows):
+    """In Markdown, of lists of cells."""
+    lines = ["| " + " | ".join(cells) + " |" for cells in (header, *rows)]
+    return "\n".join([lines[0], "|---" * len(header) + "|", *lines[1:]]) + "\n"
+
+
 def last_table(text):
     """Header and rows of the last table in the output of a program, which may print others on the way."""
     lines = text.splitlines()

@@ -6,6 +6,8 @@ import pathlib
 import subprocess
 import tempfile
 
+from measure_program import table
+
 
 def calibrate(places, bag, options):
     """summary.json of calibrate_bag; of a rig, with those of its cameras as "cameras"."""
@@ -43,13 +45,6 @@ def estimate(summary):
 def stated(summary):
     px = summary["pixel_uncertainty"]["rms"]
     return "-" if px is None else two_digits(px)
-
-
-def table(header, rows):
-    """In Markdown, of lists of cells."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join("|" + "|".join(cells) + "|" if cells[0] == "---" else "| " + " | ".join(cells) + " |"
-                     for cells in lines) + "\n"
 
 
 @dataclasses.dataclass

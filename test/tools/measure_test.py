@@ -88,6 +88,13 @@ class Measure(unittest.TestCase):
         self.assertEqual([measure_video.two_digits(px) for px in (0.0154, 2.545, 142.4)],
                          ["0.015", "2.5", "142"])
 
+    def test_a_table_of_cells_is_markdown(self):
+        self.assertEqual(measure_program.table(["a", ""], [["1", "2"]]), "| a |  |\n|---|---|\n| 1 | 2 |\n")
+
+    def test_the_angle_between_vectors_does_not_depend_on_their_lengths(self):
+        self.assertAlmostEqual(measure_video.angle_deg((2, 0), (0.5, 0.5)), 45.0)
+        self.assertEqual(measure_video.angle_deg((3, 0, 0), (1, 0, 0)), 0.0)
+
     def test_says_what_is_missing(self):
         places = measure_program.Places(pathlib.Path("build"), None)
         with self.assertRaises(measure_program.NotMeasured):
