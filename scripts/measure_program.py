@@ -63,9 +63,9 @@ def last_table(text):
     rules = [i for i, line in enumerate(lines) if line.startswith("|---")]
     if not rules or rules[-1] == 0:
         raise ValueError("the program printed no table")
-    table = lines[rules[-1] - 1:]
-    end = next((i for i, line in enumerate(table) if not line.startswith("|")), len(table))
-    return [re.sub(r"\bnan\b", "-", line) for line in table[:end]]
+    last = lines[rules[-1] - 1:]
+    end = next((i for i, line in enumerate(last) if not line.startswith("|")), len(last))
+    return [re.sub(r"\bnan\b", "-", line) for line in last[:end]]
 
 
 def shell_command(command, variants):

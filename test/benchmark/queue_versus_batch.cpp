@@ -16,6 +16,7 @@
 #include "benchmark/program_arguments.h"
 #include "benchmark/random_lens.h"
 #include "benchmark/random_sequence.h"
+#include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/front_end.h"
@@ -161,10 +162,8 @@ std::string spread(const std::vector<Row>& rows, double (*value)(const Row&), in
     if (!std::isnan(value(row))) values.push_back(value(row));
   }
   if (values.empty()) return "-";
-  char text[64];
-  std::snprintf(text, sizeof(text), "%.*f (%.*f)", decimals, median(values, 0.0), decimals,
-                *std::max_element(values.begin(), values.end()));
-  return text;
+  return formatted("%.*f (%.*f)", decimals, median(values, 0.0), decimals,
+                   *std::max_element(values.begin(), values.end()));
 }
 
 void printSummary(const std::string& lens, const std::vector<Row>& rows) {

@@ -77,7 +77,6 @@ std::vector<Camera> asFoundAlone(const Rig& rig, std::uint64_t seed) {
 
 struct Tally {
   int rigs = 0;
-  int told = 0;       // rigs with an estimate
   int rotations = 0;  // cameras
   int rotations_inside = 0;
   int positions = 0;
@@ -172,7 +171,6 @@ void run(std::uint64_t seed, Tally* tally) {
               : estimate.converged ? "CONVERGED"
                                    : "not converged");
   if (!estimate.usable) return;
-  ++tally->told;
   tally->converged += estimate.converged;
   bool right = true;
   for (int c = 1; c < rig.truth.size(); ++c) right = judge(estimate, rig.truth, c, tally) && right;
