@@ -9,9 +9,9 @@
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/robust_cost.h"
 #include "camera_self_calibration/estimation/solver.h"
+#include "camera_self_calibration/map/inverse_depth.h"
 #include "camera_self_calibration/map/segment_edit.h"
 #include "camera_self_calibration/queue/segment_fit.h"
-#include "camera_self_calibration/startup/growth.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -21,6 +21,16 @@ constexpr int kMinLandmarks = 20;
 constexpr double kToBeVerified = 1e-2;
 // Of the tracks, left out then: it is assumed that things that move hold no more.
 constexpr double kTrimmedShare = 0.15;
+
+// As if the camera had turned on the spot, before points of equal depth. Where it did, depths and
+// positions come of noise, and lead into a wrong minimum once it moves on.
+Segment asIfTurning(Segment segment) {
+  const Eigen::Vector3d place = segment.keyframes.back().world_from_camera.translation;
+  for (Keyframe& keyframe : segment.keyframes) keyframe.world_from_camera.translation = place;
+  const double inverse_depth = typicalInverseDepth(inverseDepths(segment));
+  for (Landmark& landmark : segment.landmarks) landmark.inverse_depth = inverse_depth;
+  return segment;
+}
 
 // The robust cost of one lens throughout.
 double costOfOneLens(Segment segment, const Camera& lens, double sigma_scale) {
@@ -89,10 +99,11 @@ LensChange compare(const Segment& segment, int earlier_keyframes, const Referenc
   SegmentBlock block = freeBlock(&change.segment, change.camera);
   block.sigma_scale = sigma_scale;
   const double free_cost = robustCost(block, change.camera, SolverOptions().huber);
-  // From the state before and from that under the change: a wrong minimum would feign a change.
-  const double held_cost =
-      std::min(costOfOneLens(restarted(change.segment, segment), lens, sigma_scale),
-               costOfOneLens(change.segment, lens, sigma_scale));
+  // From several states: a wrong minimum would feign a change.
+  const Segment before = restarted(change.segment, segment);
+  const double held_cost = std::min({costOfOneLens(before, lens, sigma_scale),
+                                     costOfOneLens(asIfTurning(before), lens, sigma_scale),
+                                     costOfOneLens(change.segment, lens, sigma_scale)});
   const Intrinsics off = between - reference.camera.parameters().head(count);
   const double exact = 2.0 * (held_cost - free_cost) + off.dot(reference.information * off);
   change.statistic = std::max(0.0, std::min(quadratic, exact));
@@ -105,13 +116,10 @@ LensChange compare(const Segment& segment, int earlier_keyframes, const Referenc
 
 Segment fittingOneLens(const Segment& segment, const Camera& camera) {
   Camera lens = camera;
-  Segment given = segment;
-  setOneLens(&given);
-  Segment grown = given;
-  GrowthOptions held;
-  held.free_after_keyframes = std::numeric_limits<int>::max();
-  bootstrap(held, &grown, &lens);
-  Segment result = fitOneLens(&grown, &lens) < fitOneLens(&given, &lens) ? grown : given;
+  Segment result = segment;
+  setOneLens(&result);
+  Segment other = asIfTurning(result);
+  if (fitOneLens(&other, &lens) < fitOneLens(&result, &lens)) result = std::move(other);
   const int count = static_cast<int>(kTrimmedShare * static_cast<double>(result.landmarks.size()));
   removeLandmarks(worstTracks(freeBlock(&result, lens), lens, count), &result);
   const int earlier = earlierKeyframes(segment);

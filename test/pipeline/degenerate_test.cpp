@@ -73,6 +73,17 @@ TEST(Degenerate, TurningAboutOneAxisSpeaksAgainstNoLens) {
   }
 }
 
+// Depths that come of noise lead into a wrong minimum when the camera moves on: it is no change of
+// the lens.
+TEST(Degenerate, MotionAfterTurningAboutOneAxisIsNoChangeOfTheLens) {
+  DegenerateTrial trial = trialOf(Degeneracy::kPan, CameraModel::kRadtan, 11);
+  trial.degenerate_s = 25.0;
+  const DegenerateOutcome outcome = runAndTell(trial);
+  EXPECT_EQ(outcome.changes, 0);
+  EXPECT_EQ(outcome.final_state, "CONVERGED");
+  EXPECT_LT(outcome.worst_ratio, 3.0);
+}
+
 TEST(Degenerate, AConvergedCalibrationIsLeftAsItIs) {
   for (const Degeneracy degeneracy : {Degeneracy::kForward, Degeneracy::kStanding}) {
     DegenerateTrial trial = trialOf(degeneracy, CameraModel::kRadtan, 4);

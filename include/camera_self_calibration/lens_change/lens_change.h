@@ -30,9 +30,10 @@ LensChange testLensChange(const Segment& segment, int earlier_keyframes,
                           const Reference& reference);
 
 /// The segment as one lens throughout explains it best: solved with the intrinsics of `camera` from
-/// its own state and grown anew, without the 15 % of its tracks that fit worst. A change of the
-/// lens moves nearly all tracks: one that shows only in those is feigned by outliers, and one that
-/// vanishes from another start by a wrong minimum. Its gauge may be another than that of `segment`.
+/// its own state and from one without depths and translations, without the 15 % of its tracks that
+/// fit worst. A change of the lens moves nearly all tracks: one that shows only in those is feigned
+/// by outliers, and one that vanishes from another start by a wrong minimum. Its gauge may be
+/// another than that of `segment`.
 Segment fittingOneLens(const Segment& segment, const Camera& camera);
 
 /// The most likely time of a change within the segment: how many of its keyframes came before it
