@@ -22,14 +22,8 @@ constexpr double kToBeVerified = 1e-2;
 // Of the tracks, left out then: it is assumed that things that move hold no more.
 constexpr double kTrimmedShare = 0.15;
 
-// As if the camera had turned on the spot, before points of equal depth. Where it did, depths and
-// positions come of noise, and lead into a wrong minimum once it moves on.
-Segment asIfTurning(Segment segment) {
-  const Eigen::Vector3d place = segment.keyframes.back().world_from_camera.translation;
-  for (Keyframe& keyframe : segment.keyframes) keyframe.world_from_camera.translation = place;
-  const double inverse_depth = typicalInverseDepth(inverseDepths(segment));
-  for (Landmark& landmark : segment.landmarks) landmark.inverse_depth = inverse_depth;
-  return segment;
+Segment withoutDepths(const Segment& segment) {
+  return asIfTurning(segment, 1, typicalInverseDepth(inverseDepths(segment)));
 }
 
 // The robust cost of one lens throughout.
@@ -102,7 +96,7 @@ LensChange compare(const Segment& segment, int earlier_keyframes, const Referenc
   // From several states: a wrong minimum would feign a change.
   const Segment before = restarted(change.segment, segment);
   const double held_cost = std::min({costOfOneLens(before, lens, sigma_scale),
-                                     costOfOneLens(asIfTurning(before), lens, sigma_scale),
+                                     costOfOneLens(withoutDepths(before), lens, sigma_scale),
                                      costOfOneLens(change.segment, lens, sigma_scale)});
   const Intrinsics off = between - reference.camera.parameters().head(count);
   const double exact = 2.0 * (held_cost - free_cost) + off.dot(reference.information * off);
@@ -118,7 +112,7 @@ Segment fittingOneLens(const Segment& segment, const Camera& camera) {
   Camera lens = camera;
   Segment result = segment;
   setOneLens(&result);
-  Segment other = asIfTurning(result);
+  Segment other = withoutDepths(result);
   if (fitOneLens(&other, &lens) < fitOneLens(&result, &lens)) result = std::move(other);
   const int count = static_cast<int>(kTrimmedShare * static_cast<double>(result.landmarks.size()));
   removeLandmarks(worstTracks(freeBlock(&result, lens), lens, count), &result);

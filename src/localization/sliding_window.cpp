@@ -1,6 +1,7 @@
 #include "camera_self_calibration/localization/sliding_window.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -22,6 +23,11 @@ constexpr double kSeparatedPoses = 1e-2;
 // sigma, change nothing that the next keyframe's solution will not see to.
 constexpr double kNegligiblePx = 0.02;
 
+constexpr int kNearIterations = 8;  // a window moves little by one keyframe more
+constexpr int kFarIterations = 30;  // without depths to start from
+// Costs of rough solutions that differ by less are of one minimum.
+constexpr double kSameMinimum = 1.0 - kRoughPrecision * kRoughPrecision;
+
 // With so many points of estimated depth in view, points of guessed depth are not needed.
 constexpr std::size_t kEnoughKnownPoints = 15;
 
@@ -40,11 +46,30 @@ std::vector<int> seenByFixedAlone(const Segment& segment, int fixed_keyframes) {
 
 int newest(const Segment& segment) { return static_cast<int>(segment.keyframes.size()) - 1; }
 
-SolverOptions windowSolver() {
+// Whether the poses from keyframe `first` on are far enough from the newest to tell depths.
+bool hasParallax(const Segment& segment, int first) {
+  const Eigen::Vector3d place = segment.keyframes.back().world_from_camera.translation;
+  double baseline = 0.0;
+  for (std::size_t k = first; k < segment.keyframes.size(); ++k) {
+    const Eigen::Vector3d& position = segment.keyframes[k].world_from_camera.translation;
+    baseline = std::max(baseline, (position - place).norm());
+  }
+  return baseline * std::abs(medianInverseDepth(segment, 0.0)) > kSeparatedPoses;
+}
+
+SolverOptions windowSolver(int max_iterations = kNearIterations) {
   SolverOptions options;
-  options.max_iterations = 8;
+  options.max_iterations = max_iterations;
   options.precision = kRoughPrecision;
   return options;
+}
+
+// The inverse depth that holds the scale.
+double scaleOf(const SegmentBlock& block) {
+  const Segment& segment = *block.segment;
+  const double held =
+      block.fixed_landmark < 0 ? 0.0 : segment.landmarks[block.fixed_landmark].inverse_depth;
+  return held > 0.0 ? held : typicalInverseDepth(inverseDepths(segment));
 }
 
 }  // namespace
@@ -87,8 +112,30 @@ void SlidingWindow::adopt(const Camera& camera, std::uint64_t generation, bool t
   const bool newest = !map_.keyframes().empty() && !solution.keyframes.empty() &&
                       map_.keyframes().back().id == solution.keyframes.back().id;
   setCamera(camera, generation, trusted);
-  if (!newest) solveUnconditioned();  // for the keyframes that the solution does not know
   reseed(solution);
+  if (!newest) {
+    locateNewerThan(solution);
+    solveUnconditioned();
+  }
+}
+
+// Keyframes that a solution does not know, against the landmarks that it moved.
+void SlidingWindow::locateNewerThan(const Segment& solution) {
+  if (solution.keyframes.empty() || map_.keyframes().size() < 2) return;
+  Segment segment = map_.lastKeyframes(options_.active_keyframes, camera_);
+  for (int k = 1; k <= newest(segment); ++k) {
+    if (segment.keyframes[k].id <= solution.keyframes.back().id) continue;
+    std::vector<PointView> views;
+    for (const Observation& observation : segment.observations) {
+      const Landmark& landmark = segment.landmarks[observation.landmark];
+      if (observation.keyframe != k || landmark.reference >= k) continue;
+      views.push_back({worldPoint(landmark, segment), observation.pixel, observation.sigma});
+    }
+    Rigid3& pose = segment.keyframes[k].world_from_camera;
+    const PoseEstimate located = solvePose(segment.cameraOf(k, camera_), views, pose);
+    if (located.usable) pose = located.world_from_camera;
+  }
+  map_.update(segment);
 }
 
 void SlidingWindow::setCamera(const Camera& camera, std::uint64_t generation, bool trusted) {
@@ -248,13 +295,34 @@ std::vector<std::int64_t> SlidingWindow::addKeyframe(Keyframe keyframe,
 
 void SlidingWindow::rememberInverseDepth(const Segment& segment, int fixed_keyframes) {
   const double inverse_depth = medianInverseDepth(segment, 0.0);
-  const Eigen::Vector3d newest = segment.keyframes.back().world_from_camera.translation;
-  double baseline = 0.0;
-  for (std::size_t k = fixed_keyframes; k < segment.keyframes.size(); ++k) {
-    const Eigen::Vector3d& position = segment.keyframes[k].world_from_camera.translation;
-    baseline = std::max(baseline, (position - newest).norm());
+  if (inverse_depth > 0.0 && hasParallax(segment, fixed_keyframes)) {
+    told_inverse_depth_ = inverse_depth;
   }
-  if (baseline * inverse_depth > kSeparatedPoses) told_inverse_depth_ = inverse_depth;
+}
+
+// From the window's state; and from one without depths and translations, where that may be of a
+// wrong minimum: depths came of noise, or the scene lies behind the camera (eq. 1 is the same for
+// the opposite depths and translations). Then older poses that were far enough apart for depths may
+// be wrong, too.
+bool SlidingWindow::solveActive(const SegmentBlock& block, bool depths_known) {
+  Segment* segment = block.segment;
+  const int fixed = depths_known ? 1 : std::max(1, block.fixed_keyframes);
+  Segment turning = asIfTurning(*segment, fixed, scaleOf(block));
+  const SolveSummary solved = solve({&camera_, false, {block}}, windowSolver());
+  if (!solved.usable) return false;
+  const bool in_front = medianInverseDepth(*segment, 0.0) > 0.0;
+  if (depths_known && in_front) return true;
+  if (!hasParallax(*segment, block.fixed_keyframes)) return true;
+  SegmentBlock other = freeBlock(&turning, camera_);
+  other.fixed_keyframes = fixed;
+  other.inverse_depth_prior = block.inverse_depth_prior;
+  const SolveSummary again = solve({&camera_, false, {other}}, windowSolver(kFarIterations));
+  if (!again.usable || !(medianInverseDepth(turning, 0.0) > 0.0)) return true;
+  // Each parameter more that is free explains a half on average.
+  const int freed = 6 * std::max(0, block.fixed_keyframes - fixed);
+  const bool better = again.final_cost + freed < kSameMinimum * solved.final_cost;
+  if (better || !in_front) *segment = std::move(turning);
+  return true;
 }
 
 std::vector<std::int64_t> SlidingWindow::solveWindow() {
@@ -264,16 +332,18 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
   Segment segment = map_.lastKeyframes(options_.active_keyframes + conditioning, camera_);
   removeLandmarks(seenByFixedAlone(segment, conditioning), &segment);
   SegmentBlock block = freeBlock(&segment, camera_);
+  bool depths_known = false;
   if (conditioning >= 2) {
     const double baseline = (segment.keyframes[0].world_from_camera.translation -
                              segment.keyframes[conditioning - 1].world_from_camera.translation)
                                 .norm();
     const double inverse_depth = typicalInverseDepthAt(newest(segment), segment);
-    if (baseline * inverse_depth > kSeparatedPoses) block.fixed_landmark = -1;
+    depths_known = baseline * inverse_depth > kSeparatedPoses;
+    if (depths_known) block.fixed_landmark = -1;
     block.fixed_keyframes = conditioning;
   }
   block.inverse_depth_prior = InverseDepthPrior{told_inverse_depth_, told_inverse_depth_};
-  if (!solve({&camera_, false, {block}}, windowSolver()).usable) return outlier_ids;
+  if (!solveActive(block, depths_known)) return outlier_ids;
   map_.update(segment);
   rememberInverseDepth(segment, conditioning);
   if (!trusted_) return outlier_ids;

@@ -328,6 +328,15 @@ Segment restarted(const Segment& segment, const Segment& start) {
   return result;
 }
 
+Segment asIfTurning(Segment segment, int fixed_keyframes, double inverse_depth) {
+  for (std::size_t k = fixed_keyframes; k < segment.keyframes.size(); ++k) {
+    segment.keyframes[k].world_from_camera.translation =
+        segment.keyframes[fixed_keyframes - 1].world_from_camera.translation;
+  }
+  for (Landmark& landmark : segment.landmarks) landmark.inverse_depth = inverse_depth;
+  return segment;
+}
+
 void removeLandmarks(const std::vector<int>& landmarks, Segment* segment) {
   std::vector<int> new_index(segment->landmarks.size(), 0);
   for (const int l : landmarks) new_index[l] = -1;

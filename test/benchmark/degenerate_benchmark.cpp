@@ -45,7 +45,7 @@ DegenerateTrial makeTrial(int number) {
 const char* const kHeader =
     "number,motion,model,keyframes,states,state,final_state,unfinished,hinted,named,converged_s,"
     "recovered_s,fresh_s,published,worst_ratio,worst_sigmas,false_converged,error_px,stated_px,"
-    "lost,early_ms,late_ms,early_kb,late_kb,cpu_s,sentence";
+    "travel_deg,lost,early_ms,late_ms,early_kb,late_kb,cpu_s,sentence";
 
 // Mean cost of a keyframe and memory at the end, of the second 10 s and of the last of the
 // degenerate minute.
@@ -72,8 +72,9 @@ std::string csvLine(int number, const DegenerateTrial& trial, const DegenerateOu
        << o.final_state << ',' << o.unfinished << ',' << o.hinted << ',' << o.named << ','
        << o.converged_s << ',' << o.recovered_s << ',' << fresh_s << ',' << o.published << ','
        << o.worst_ratio << ',' << o.worst_sigmas << ',' << o.false_converged << ',' << o.error_px
-       << ',' << o.stated_px << ',' << o.lost << ',' << growth.early_ms << ',' << growth.late_ms
-       << ',' << growth.early_kb << ',' << growth.late_kb << ',' << o.cpu_s << ',' << sentence;
+       << ',' << o.stated_px << ',' << o.travel_deg << ',' << o.lost << ',' << growth.early_ms
+       << ',' << growth.late_ms << ',' << growth.early_kb << ',' << growth.late_kb << ',' << o.cpu_s
+       << ',' << sentence;
   return line.str();
 }
 
@@ -93,7 +94,7 @@ int runTrials(int first, int count) {
 struct Tally {
   int trials = 0, converged = 0, wrong = 0, recovered = 0, fresh = 0;
   double worst_ratio = 0.0, worst_sigmas = 0.0;
-  std::vector<double> recovered_s, fresh_s, ratio_ms, ratio_kb;
+  std::vector<double> recovered_s, fresh_s, travel_deg, ratio_ms, ratio_kb;
 
   void add(const CsvRow& row) {
     ++trials;
@@ -105,6 +106,8 @@ struct Tally {
     }
     recovered += number(row, "recovered_s") >= 0.0;
     if (number(row, "recovered_s") >= 0.0) recovered_s.push_back(number(row, "recovered_s"));
+    const double travel = number(row, "travel_deg");
+    if (std::isfinite(travel)) travel_deg.push_back(travel);
     fresh += number(row, "fresh_s") >= 0.0;
     if (number(row, "fresh_s") >= 0.0) fresh_s.push_back(number(row, "fresh_s"));
     if (number(row, "early_ms") > 0.0 && number(row, "late_ms") > 0.0) {
@@ -117,10 +120,14 @@ struct Tally {
 };
 
 void print(const std::string& name, const Tally& t) {
-  std::printf("| %s | %d | %d | %d | %d | %d | %.1f / %.1f s | %.1f | %.1f | %.2f | %.2f |\n",
-              name.c_str(), t.trials, t.converged, t.wrong, t.recovered, t.fresh,
-              median(t.recovered_s, NAN), median(t.fresh_s, NAN), t.worst_ratio, t.worst_sigmas,
-              median(t.ratio_ms, NAN), median(t.ratio_kb, NAN));
+  const double worst_travel =
+      t.travel_deg.empty() ? NAN : *std::max_element(t.travel_deg.begin(), t.travel_deg.end());
+  std::printf(
+      "| %s | %d | %d | %d | %d | %d | %.1f / %.1f s | %.1f | %.1f | %.1f, %.1f | %.2f | "
+      "%.2f |\n",
+      name.c_str(), t.trials, t.converged, t.wrong, t.recovered, t.fresh,
+      median(t.recovered_s, NAN), median(t.fresh_s, NAN), t.worst_ratio, t.worst_sigmas,
+      median(t.travel_deg, NAN), worst_travel, median(t.ratio_ms, NAN), median(t.ratio_kb, NAN));
 }
 
 int printTable(const std::vector<std::string>& files) {
@@ -139,9 +146,9 @@ int printTable(const std::vector<std::string>& files) {
   std::printf(
       "| 60 s of | trials | CONVERGED meanwhile | falsely | CONVERGED after good motion began "
       "| the same motion alone | median time, after / alone | largest error over stated (px rms) "
-      "| largest error of a parameter (sigmas) | time of a keyframe, late / early "
-      "| memory, late / early |\n"
-      "|---|---|---|---|---|---|---|---|---|---|---|\n");
+      "| largest error of a parameter (sigmas) | direction of travel, median, worst (degrees) "
+      "| time of a keyframe, late / early | memory, late / early |\n"
+      "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   for (const auto& [name, tally] : groups) print(name, tally);
   print("all", all);
   return EXIT_SUCCESS;

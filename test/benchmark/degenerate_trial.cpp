@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <memory>
 #include <optional>
 
 #include "benchmark/process_cost.h"
 #include "benchmark/trial_tracks.h"
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 #include "camera_self_calibration/pipeline/self_calibrator.h"
 #include "camera_self_calibration/simulation/feature_tracks.h"
@@ -61,13 +63,14 @@ class Runner {
     if (outcome_.state.empty()) outcome_.state = outcome_.final_state;
     outcome_.error_px = distanceToTruth(report_.camera);
     outcome_.stated_px = report_.uncertainty.rms;
+    outcome_.travel_deg = median(travel_deg_, outcome_.travel_deg);
     return outcome_;
   }
 
  private:
   // A calibration that has converged in the good motion after all is watched for a while yet.
   bool isOver() const {
-    constexpr double kWatchedS = 2.0;
+    constexpr double kWatchedS = 3.0;
     return !trial_.good_first && outcome_.recovered_s >= 0.0 &&
            time_s_ > trial_.degenerate_s + outcome_.recovered_s + kWatchedS;
   }
@@ -89,6 +92,7 @@ class Runner {
   Callbacks callbacks() {
     Callbacks result;
     result.calibration = [this](const CalibrationReport& report) { watch(report); };
+    result.frame = [this](const FrameResult& frame) { watch(frame); };
     result.event = [this](const Event& event) { watch(event); };
     return result;
   }
@@ -141,6 +145,38 @@ class Runner {
     if (!at_end_of_good_) at_end_of_good_ = report.camera;
     outcome_.wander_px =
         std::max(outcome_.wander_px, pixelDistance(*at_end_of_good_, report.camera).rms);
+  }
+
+  struct Place {
+    std::int64_t stamp_ns = 0;
+    Rigid3 estimate;
+    Rigid3 truth;
+  };
+
+  static Eigen::Vector3d way(const Rigid3& from, const Rigid3& to) {
+    return from.rotation.conjugate() * (to.translation - from.translation);
+  }
+
+  void watch(const FrameResult& frame) {
+    constexpr std::int64_t kTravelNs = 300000000;
+    if (frame.state != TrackingState::kTracking || frame.map_id != map_id_ || frame.moved) {
+      places_.clear();
+    }
+    map_id_ = frame.map_id;
+    if (frame.state != TrackingState::kTracking) return;
+    places_.push_back(
+        {frame.stamp_ns, frame.world_from_camera, tracks_.worldFromCamera(frame.stamp_ns)});
+    while (places_.size() > 2 && places_[1].stamp_ns <= frame.stamp_ns - kTravelNs) {
+      places_.pop_front();
+    }
+    constexpr double kBegunS = 1.0;
+    const bool counts = report_.state == CalibrationState::kConverged && !trial_.good_first &&
+                        time_s_ > trial_.degenerate_s + kBegunS;
+    if (!counts || places_.front().stamp_ns > frame.stamp_ns - kTravelNs) return;
+    const Eigen::Vector3d estimate = way(places_.front().estimate, places_.back().estimate);
+    const Eigen::Vector3d truth = way(places_.front().truth, places_.back().truth);
+    travel_deg_.push_back(std::atan2(estimate.cross(truth).norm(), estimate.dot(truth)) * 180.0 /
+                          M_PI);
   }
 
   void watch(const Event& event) {
@@ -198,6 +234,9 @@ class Runner {
   double held_bytes_ = 0.0;
   std::optional<Camera> at_end_of_good_;
   CalibrationReport report_;
+  std::uint64_t map_id_ = 0;
+  std::deque<Place> places_;  // of the last images of this map
+  std::vector<double> travel_deg_;
   DegenerateOutcome outcome_;
   Expense expense_;
 };

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -49,6 +50,9 @@ struct DegenerateOutcome {
   double worst_sigmas = 0.0;  ///< ... and largest error of a parameter over its sigma.
   /// ... with an error over 5 sigma and over 1 px rms.
   bool false_converged = false;
+  /// From a second after the good motion began, in what is CONVERGED: between the estimated and the
+  /// true direction in which the camera went over 0.3 s, median of the images; NaN without any.
+  double travel_deg = std::numeric_limits<double>::quiet_NaN();
   double error_px = 0.0;   ///< At the end, rms.
   double stated_px = 0.0;  ///< At the end, rms.
   /// Good first: most that the published calibration moved once the passage to the degenerate

@@ -100,6 +100,7 @@ class SlidingWindow {
   bool negligiblyFarFrom(const Camera& camera) const;
   void setCamera(const Camera& camera, std::uint64_t generation, bool trusted);
   void solveUnconditioned();
+  void locateNewerThan(const Segment& solution);
   const Keyframe* keyframeAt(std::int64_t stamp_ns) const;
   std::optional<PointView> viewOf(const Map::Point& point, const Track& track) const;
   std::vector<std::int64_t> tracksAtOdds(const Rigid3& pose,
@@ -110,6 +111,7 @@ class SlidingWindow {
   int conditioningCount() const;
   void takeGeneration(Segment* segment) const;
   void rememberInverseDepth(const Segment& segment, int fixed_keyframes);
+  bool solveActive(const SegmentBlock& block, bool depths_known);
   std::vector<std::int64_t> solveWindow();
 
   SlidingWindowOptions options_;

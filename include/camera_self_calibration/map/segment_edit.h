@@ -70,6 +70,12 @@ Segment connectedToNewest(const Segment& segment);
 /// and which were estimated with other intrinsics.
 Segment restarted(const Segment& segment, const Segment& start);
 
+/// The segment as if the camera had turned on the spot after its first `fixed_keyframes` (one at
+/// least), before points of equal inverse depth [1/map unit]. Where it did turn, depths and
+/// positions come of noise, and a solution that starts from them ends in a wrong minimum once the
+/// camera moves on.
+Segment asIfTurning(Segment segment, int fixed_keyframes, double inverse_depth);
+
 /// Removes landmarks and their observations; indices of the others close up, so that
 /// `fixed_landmark` of blocks made before no longer holds.
 void removeLandmarks(const std::vector<int>& landmarks, Segment* segment);
