@@ -306,20 +306,24 @@ void SlidingWindow::rememberInverseDepth(const Segment& segment, int fixed_keyfr
 // be wrong, too.
 bool SlidingWindow::solveActive(const SegmentBlock& block, bool depths_known) {
   Segment* segment = block.segment;
-  const int fixed = depths_known ? 1 : std::max(1, block.fixed_keyframes);
-  Segment turning = asIfTurning(*segment, fixed, scaleOf(block));
+  SegmentBlock other = block;
+  if (depths_known) {
+    other = freeBlock(segment, camera_);
+    other.inverse_depth_prior = block.inverse_depth_prior;
+  }
+  // The landmark that holds the scale is the same: without translations, none tells more than
+  // others.
+  Segment turning = asIfTurning(*segment, other.fixed_keyframes, scaleOf(other));
   const SolveSummary solved = solve({&camera_, false, {block}}, windowSolver());
   if (!solved.usable) return false;
   const bool in_front = medianInverseDepth(*segment, 0.0) > 0.0;
   if (depths_known && in_front) return true;
   if (!hasParallax(*segment, block.fixed_keyframes)) return true;
-  SegmentBlock other = freeBlock(&turning, camera_);
-  other.fixed_keyframes = fixed;
-  other.inverse_depth_prior = block.inverse_depth_prior;
+  other.segment = &turning;
   const SolveSummary again = solve({&camera_, false, {other}}, windowSolver(kFarIterations));
   if (!again.usable || !(medianInverseDepth(turning, 0.0) > 0.0)) return true;
   // Each parameter more that is free explains a half on average.
-  const int freed = 6 * std::max(0, block.fixed_keyframes - fixed);
+  const int freed = 6 * std::max(0, block.fixed_keyframes - other.fixed_keyframes);
   const bool better = again.final_cost + freed < kSameMinimum * solved.final_cost;
   if (better || !in_front) *segment = std::move(turning);
   return true;
