@@ -83,6 +83,22 @@ void countInliers(const Camera& camera, const std::vector<PointView>& views,
 
 }  // namespace
 
+std::vector<PointView> earlierPointsSeenIn(int k, const Segment& segment, const Camera& camera) {
+  std::vector<PointView> views;
+  for (const Observation& observation : segment.observations) {
+    const Landmark& landmark = segment.landmarks[observation.landmark];
+    if (observation.keyframe != k || landmark.reference >= k) continue;
+    Eigen::Vector3d ray;
+    const Camera& seen_with = segment.cameraOf(landmark.reference, camera);
+    if (!landmarkRay(seen_with, landmark, &ray, nullptr)) continue;
+    const Rigid3& reference = segment.keyframes[landmark.reference].world_from_camera;
+    views.push_back({{reference.rotation * ray, reference.translation, landmark.inverse_depth},
+                     observation.pixel,
+                     observation.sigma});
+  }
+  return views;
+}
+
 PoseEstimate solvePose(const Camera& camera, const std::vector<PointView>& views,
                        const Rigid3& guess, double huber, int max_iterations) {
   PoseEstimate estimate;

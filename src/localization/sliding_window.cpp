@@ -125,12 +125,7 @@ void SlidingWindow::locateNewerThan(const Segment& solution) {
   Segment segment = map_.lastKeyframes(options_.active_keyframes, camera_);
   for (int k = 1; k <= newest(segment); ++k) {
     if (segment.keyframes[k].id <= solution.keyframes.back().id) continue;
-    std::vector<PointView> views;
-    for (const Observation& observation : segment.observations) {
-      const Landmark& landmark = segment.landmarks[observation.landmark];
-      if (observation.keyframe != k || landmark.reference >= k) continue;
-      views.push_back({worldPoint(landmark, segment), observation.pixel, observation.sigma});
-    }
+    const std::vector<PointView> views = earlierPointsSeenIn(k, segment, camera_);
     Rigid3& pose = segment.keyframes[k].world_from_camera;
     const PoseEstimate located = solvePose(segment.cameraOf(k, camera_), views, pose);
     if (located.usable) pose = located.world_from_camera;
@@ -304,15 +299,11 @@ void SlidingWindow::rememberInverseDepth(const Segment& segment, int fixed_keyfr
 // wrong minimum: depths came of noise, or the scene lies behind the camera (eq. 1 is the same for
 // the opposite depths and translations). Then older poses that were far enough apart for depths may
 // be wrong, too.
-bool SlidingWindow::solveActive(const SegmentBlock& block, bool depths_known) {
+bool SlidingWindow::solveActive(const SegmentBlock& block, const SegmentBlock& unconditioned) {
   Segment* segment = block.segment;
-  SegmentBlock other = block;
-  if (depths_known) {
-    other = freeBlock(segment, camera_);
-    other.inverse_depth_prior = block.inverse_depth_prior;
-  }
-  // The landmark that holds the scale is the same: without translations, none tells more than
-  // others.
+  const bool depths_known = block.fixed_landmark < 0;
+  // The landmark that holds the scale stays: without translations, none tells more than others.
+  SegmentBlock other = depths_known ? unconditioned : block;
   Segment turning = asIfTurning(*segment, other.fixed_keyframes, scaleOf(other));
   const SolveSummary solved = solve({&camera_, false, {block}}, windowSolver());
   if (!solved.usable) return false;
@@ -335,19 +326,18 @@ std::vector<std::int64_t> SlidingWindow::solveWindow() {
   const int conditioning = conditioningCount();
   Segment segment = map_.lastKeyframes(options_.active_keyframes + conditioning, camera_);
   removeLandmarks(seenByFixedAlone(segment, conditioning), &segment);
-  SegmentBlock block = freeBlock(&segment, camera_);
-  bool depths_known = false;
+  SegmentBlock unconditioned = freeBlock(&segment, camera_);
+  unconditioned.inverse_depth_prior = InverseDepthPrior{told_inverse_depth_, told_inverse_depth_};
+  SegmentBlock block = unconditioned;
   if (conditioning >= 2) {
     const double baseline = (segment.keyframes[0].world_from_camera.translation -
                              segment.keyframes[conditioning - 1].world_from_camera.translation)
                                 .norm();
     const double inverse_depth = typicalInverseDepthAt(newest(segment), segment);
-    depths_known = baseline * inverse_depth > kSeparatedPoses;
-    if (depths_known) block.fixed_landmark = -1;
+    if (baseline * inverse_depth > kSeparatedPoses) block.fixed_landmark = -1;
     block.fixed_keyframes = conditioning;
   }
-  block.inverse_depth_prior = InverseDepthPrior{told_inverse_depth_, told_inverse_depth_};
-  if (!solveActive(block, depths_known)) return outlier_ids;
+  if (!solveActive(block, unconditioned)) return outlier_ids;
   map_.update(segment);
   rememberInverseDepth(segment, conditioning);
   if (!trusted_) return outlier_ids;

@@ -25,23 +25,6 @@ namespace {
 constexpr int kTellingKeyframes = 3;
 constexpr int kGatingRounds = 2;
 
-// The observations of keyframe k of landmarks that earlier keyframes determine.
-std::vector<PointView> viewsOf(const Segment& segment, int k, const Camera& camera) {
-  std::vector<PointView> views;
-  for (const Observation& observation : segment.observations) {
-    const Landmark& landmark = segment.landmarks[observation.landmark];
-    if (observation.keyframe != k || landmark.reference >= k) continue;
-    Eigen::Vector3d ray;
-    const Camera& seen_with = segment.cameraOf(landmark.reference, camera);
-    if (!landmarkRay(seen_with, landmark, &ray, nullptr)) continue;
-    const Rigid3& reference = segment.keyframes[landmark.reference].world_from_camera;
-    views.push_back({{reference.rotation * ray, reference.translation, landmark.inverse_depth},
-                     observation.pixel,
-                     observation.sigma});
-  }
-  return views;
-}
-
 void restartRunawayLandmarks(double max_ratio, Segment* segment) {
   const double typical = typicalInverseDepth(inverseDepths(*segment));
   for (Landmark& landmark : segment->landmarks) {
@@ -56,7 +39,7 @@ void placeKeyframe(int k, const Camera& camera, Segment* segment) {
   auto& keyframes = segment->keyframes;
   Rigid3& pose = keyframes[k].world_from_camera;
   pose = keyframes[k - 1].world_from_camera;
-  const std::vector<PointView> views = viewsOf(*segment, k, camera);
+  const std::vector<PointView> views = earlierPointsSeenIn(k, *segment, camera);
   const PoseEstimate solved =
       solvePose(segment->cameraOf(k, camera), views, pose, kHuberThreshold, 20);
   if (solved.usable) pose = solved.world_from_camera;

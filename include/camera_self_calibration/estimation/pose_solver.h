@@ -7,6 +7,7 @@
 #include "camera_self_calibration/estimation/robust.h"
 #include "camera_self_calibration/geometry/rigid3.h"
 #include "camera_self_calibration/map/inverse_depth.h"
+#include "camera_self_calibration/map/segment.h"
 
 namespace camera_self_calibration {
 
@@ -15,6 +16,10 @@ struct PointView : WorldPoint {
   Eigen::Vector2d pixel;
   double sigma = 1.0;  ///< [px]
 };
+
+/// What keyframe `k` sees of landmarks that earlier keyframes determine; `camera`: the intrinsics
+/// that are being estimated.
+std::vector<PointView> earlierPointsSeenIn(int k, const Segment& segment, const Camera& camera);
 
 struct PoseEstimate {
   bool usable = false;  ///< All directions are determined, and most views can be predicted.

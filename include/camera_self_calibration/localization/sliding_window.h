@@ -111,7 +111,7 @@ class SlidingWindow {
   int conditioningCount() const;
   void takeGeneration(Segment* segment) const;
   void rememberInverseDepth(const Segment& segment, int fixed_keyframes);
-  bool solveActive(const SegmentBlock& block, bool depths_known);
+  bool solveActive(const SegmentBlock& block, const SegmentBlock& unconditioned);
   std::vector<std::int64_t> solveWindow();
 
   SlidingWindowOptions options_;
