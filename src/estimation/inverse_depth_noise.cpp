@@ -1,11 +1,11 @@
 #include "camera_self_calibration/estimation/inverse_depth_noise.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "camera_self_calibration/base/decompositions.h"
 #include "camera_self_calibration/estimation/pseudo_inverse.h"
 #include "camera_self_calibration/estimation/robust.h"
 
@@ -87,14 +87,14 @@ Eigen::MatrixXd grown(const Eigen::MatrixXd& w, const Eigen::MatrixXd& m) {
     const Eigen::MatrixXd x = Eigen::LLT<Eigen::MatrixXd>(one - m).solve(w.transpose());
     return x.transpose() * (2.0 * x - m * x);
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(m);
+  const SymmetricEigen eigen = symmetricEigen(m);
   const auto growth = [](double share) {
     if (share < 1e-12) return 0.0;
     const double left = std::max(kLeastShare, 1.0 - share);
     return (1.0 / (left * left) - 1.0) / share;
   };
-  const Eigen::MatrixXd along = w * eigen.eigenvectors();
-  return along * eigen.eigenvalues().unaryExpr(growth).asDiagonal() * along.transpose();
+  const Eigen::MatrixXd along = w * eigen.vectors;
+  return along * eigen.values.unaryExpr(growth).asDiagonal() * along.transpose();
 }
 
 // K, where the covariance grows from I^-1 by I^-1 K I^-1. Empty where that is negligible. `unit`

@@ -1,12 +1,12 @@
 #include "camera_self_calibration/estimation/marginal.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "camera_self_calibration/base/decompositions.h"
 #include "camera_self_calibration/base/parallel.h"
 #include "camera_self_calibration/estimation/inverse_depth_noise.h"
 #include "camera_self_calibration/estimation/linear_segments.h"
@@ -81,9 +81,9 @@ std::optional<IntrinsicsMatrix> Marginal::robustCovariance() const {
 }
 
 Eigen::MatrixXd widened(const Eigen::MatrixXd& root, const Eigen::MatrixXd& factor) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(factor);
-  const Eigen::MatrixXd axes = root * eigen.eigenvectors();
-  return axes * eigen.eigenvalues().cwiseMax(1.0).asDiagonal() * axes.transpose();
+  const SymmetricEigen eigen = symmetricEigen(factor);
+  const Eigen::MatrixXd axes = root * eigen.vectors;
+  return axes * eigen.values.cwiseMax(1.0).asDiagonal() * axes.transpose();
 }
 
 namespace {
@@ -98,8 +98,7 @@ Intrinsics scaledEigenvalues(const IntrinsicsMatrix& information) {
   const Intrinsics scale = unitDiagonalScale(information);
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
   if (!scaled.allFinite()) return Intrinsics::Zero(information.rows());
-  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly)
-      .eigenvalues();
+  return symmetricEigenvalues(scaled);
 }
 
 std::optional<IntrinsicsMatrix> covarianceFromInformation(const IntrinsicsMatrix& information,
@@ -107,12 +106,11 @@ std::optional<IntrinsicsMatrix> covarianceFromInformation(const IntrinsicsMatrix
   const Intrinsics scale = unitDiagonalScale(information);
   const Eigen::MatrixXd scaled = scale.asDiagonal() * information * scale.asDiagonal();
   if (information.rows() == 0 || !scaled.allFinite()) return std::nullopt;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  if (!(eigen.eigenvalues()(0) > rank_tolerance)) return std::nullopt;
+  const SymmetricEigen eigen = symmetricEigen(scaled);
+  if (!(eigen.values(0) > rank_tolerance)) return std::nullopt;
   // Eq. (5), which inverts the reduced system to the intrinsics' block of eq. (4)
-  const Eigen::MatrixXd inverse = eigen.eigenvectors() *
-                                  eigen.eigenvalues().cwiseInverse().asDiagonal() *
-                                  eigen.eigenvectors().transpose();
+  const Eigen::MatrixXd inverse =
+      eigen.vectors * eigen.values.cwiseInverse().asDiagonal() * eigen.vectors.transpose();
   return IntrinsicsMatrix(scale.asDiagonal() * inverse * scale.asDiagonal());
 }
 

@@ -1,11 +1,11 @@
 #include "camera_self_calibration/lens_change/lens_course.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "camera_self_calibration/base/decompositions.h"
 #include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/estimation/marginal.h"
 #include "camera_self_calibration/queue/scatter.h"
@@ -211,13 +211,11 @@ void Account::addWalk() {
 void Account::add(Course course, const Eigen::MatrixXd& cross, const Eigen::MatrixXd& information,
                   const Eigen::VectorXd& gradient) {
   const Eigen::MatrixXd leverage = *covariance_ * cross;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(information -
-                                                             cross.transpose() * leverage);
-  if (eigen.info() != Eigen::Success) return;
-  course.information = eigen.eigenvalues().cwiseMax(0.0);
-  course.gradient =
-      eigen.eigenvectors().transpose() * (gradient - leverage.transpose() * gradient_);
-  course.leverage = leverage * eigen.eigenvectors();
+  const SymmetricEigen eigen = symmetricEigen(information - cross.transpose() * leverage);
+  if (!eigen.values.allFinite()) return;
+  course.information = eigen.values.cwiseMax(0.0);
+  course.gradient = eigen.vectors.transpose() * (gradient - leverage.transpose() * gradient_);
+  course.leverage = leverage * eigen.vectors;
   courses_.push_back(std::move(course));
 }
 

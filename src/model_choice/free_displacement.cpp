@@ -1,12 +1,12 @@
 #include "camera_self_calibration/model_choice/free_displacement.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 #include <vector>
 
+#include "camera_self_calibration/base/decompositions.h"
 #include "camera_self_calibration/camera/pixel_grid.h"
 #include "camera_self_calibration/estimation/linear_segment.h"
 #include "camera_self_calibration/estimation/marginal.h"
@@ -59,11 +59,10 @@ Coefficients coefficientsOf(const DisplacementMarginal& marginal, const Followin
   const Eigen::Index n = following.step.size();
   Eigen::MatrixXd map(n + kCoefficients, kCoefficients);
   map << following.slope, Eigen::MatrixXd::Identity(kCoefficients, kCoefficients);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(map.transpose() *
-                                                             marginal.sum.information * map);
+  const SymmetricEigen eigen = symmetricEigen(map.transpose() * marginal.sum.information * map);
   Coefficients coefficients;
-  coefficients.axes = eigen.eigenvectors();
-  coefficients.information = eigen.eigenvalues().cwiseMax(0.0);
+  coefficients.axes = eigen.vectors;
+  coefficients.information = eigen.values.cwiseMax(0.0);
   const Eigen::MatrixXd along = map * coefficients.axes;
   coefficients.gradient = along.transpose() * marginal.sum.gradient;
   coefficients.track_scores = along.transpose() * marginal.track_scores * along;

@@ -1,10 +1,10 @@
 #include "camera_self_calibration/queue/agreement.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/base/decompositions.h"
 #include "camera_self_calibration/estimation/gauge.h"
 #include "camera_self_calibration/estimation/linear_segments.h"
 #include "camera_self_calibration/estimation/marginal.h"
@@ -62,7 +62,7 @@ struct Total {
 }  // namespace
 
 double squaredDistance(const Intrinsics& gradient, const IntrinsicsMatrix& information) {
-  return gradient.dot(information.completeOrthogonalDecomposition().solve(gradient));
+  return gradient.dot(leastNormSolution(information, gradient).x.col(0));
 }
 
 QuadraticLikelihood ownLikelihood(const Candidate& candidate) {
@@ -133,7 +133,7 @@ Agreement agreement(const std::vector<QuadraticLikelihood>& likelihoods,
   const Eigen::VectorXd g = scale.cwiseProduct(sum.gradient);
   // T^2 = g^T (I_o + I_o I_r^-1 I_o)^-1 g on the range of I_o.
   const Eigen::MatrixXd inner = own - own * total.factor.solve(own);
-  const Eigen::VectorXd d = own.completeOrthogonalDecomposition().solve(g);
+  const Eigen::VectorXd d = leastNormSolution(own, g).x;
   Agreement result;
   result.statistic = std::max(0.0, d.dot(inner * d));
   if (!std::isfinite(result.statistic)) result.statistic = 0.0;

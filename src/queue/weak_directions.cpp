@@ -1,11 +1,11 @@
 #include "camera_self_calibration/queue/weak_directions.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <vector>
 
+#include "camera_self_calibration/base/decompositions.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
 
 namespace camera_self_calibration {
@@ -74,14 +74,14 @@ KnownDirections knownDirections(const Camera& camera, const IntrinsicsMatrix& in
   const Eigen::MatrixXd root = cholesky.matrixL();  // metric = root root^T
   Eigen::MatrixXd scaled = root.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(information));
   scaled = root.triangularView<Eigen::Lower>().solve(Eigen::MatrixXd(scaled.transpose()));
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
+  const SymmetricEigen eigen = symmetricEigen(scaled);
   KnownDirections directions;
-  directions.sigma_px = eigen.eigenvalues().unaryExpr([](double value) {
+  directions.sigma_px = eigen.values.unaryExpr([](double value) {
     return value * kUnknownVariance > 1.0 ? 1.0 / std::sqrt(value)
                                           : std::numeric_limits<double>::infinity();
   });
-  directions.axes = root.transpose().triangularView<Eigen::Upper>().solve(eigen.eigenvectors());
-  directions.coordinates = eigen.eigenvectors().transpose() * root.transpose();
+  directions.axes = root.transpose().triangularView<Eigen::Upper>().solve(eigen.vectors);
+  directions.coordinates = eigen.vectors.transpose() * root.transpose();
   return directions;
 }
 

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/base/decompositions.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -112,10 +114,8 @@ double SharedInformation::freedomFactor() const { return factorOfFreedom(observa
 // The correlation along clusters is an average over all directions that are seen: of a single one
 // few clusters tell it badly.
 double SharedInformation::varianceFactor() const {
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> inverse(information);
-  const double along = inverse.rank() > 0
-                           ? inverse.solve(scatter).trace() / static_cast<double>(inverse.rank())
-                           : 1.0;
+  const LeastNormSolution solution = leastNormSolution(information, scatter);
+  const double along = solution.rank > 0 ? solution.x.trace() / solution.rank : 1.0;
   return std::max(1.0, freedomFactor() * std::max(along, cost / std::max(1, observations)));
 }
 

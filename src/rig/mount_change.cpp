@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "camera_self_calibration/base/decompositions.h"
 #include "camera_self_calibration/base/distributions.h"
 #include "camera_self_calibration/geometry/so3.h"
 #include "camera_self_calibration/queue/scatter.h"
@@ -50,13 +51,13 @@ struct Solved {
 };
 
 Solved solved(const Eigen::MatrixXd& a, const Eigen::VectorXd& x, double least) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(a);
+  const SymmetricEigen eigen = symmetricEigen(a);
   Solved result;
   result.inverse = Eigen::MatrixXd::Zero(a.rows(), a.cols());
   for (Eigen::Index i = 0; i < a.rows(); ++i) {
-    const double value = eigen.eigenvalues()(i);
+    const double value = eigen.values(i);
     if (!(value > least)) continue;
-    const Eigen::VectorXd direction = eigen.eigenvectors().col(i);
+    const Eigen::VectorXd direction = eigen.vectors.col(i);
     const double along = direction.dot(x);
     result.square += along * along / value;
     result.inverse += direction * direction.transpose() / value;
@@ -295,10 +296,9 @@ double sigmaAlong(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covarian
 }
 
 double chanceOf(const Eigen::Vector3d& vector, const Eigen::Matrix3d& covariance) {
-  const Eigen::CompleteOrthogonalDecomposition<Eigen::Matrix3d> inverse(covariance);
-  const auto rank = static_cast<int>(inverse.rank());
-  const double square = vector.dot(inverse.solve(vector));
-  return rank > 0 ? chiSquareExceedance(std::max(0.0, square), rank) : 1.0;
+  const LeastNormSolution solution = leastNormSolution(covariance, vector);
+  const double square = vector.dot(solution.x.col(0));
+  return solution.rank > 0 ? chiSquareExceedance(std::max(0.0, square), solution.rank) : 1.0;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 
+#include "camera_self_calibration/base/decompositions.h"
 #include "camera_self_calibration/estimation/observation_model.h"
 #include "camera_self_calibration/geometry/so3.h"
 
@@ -25,8 +26,7 @@ void eliminate(Eigen::Index begin, Eigen::Index count, Eigen::MatrixXd* informat
                Eigen::VectorXd* gradient) {
   const Eigen::MatrixXd cross = information->middleCols(begin, count);
   const Eigen::MatrixXd own = information->block(begin, begin, count, count);
-  const Eigen::MatrixXd leverage =
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd>(own).solve(cross.transpose());
+  const Eigen::MatrixXd leverage = leastNormSolution(own, cross.transpose()).x;
   *gradient -= leverage.transpose() * gradient->segment(begin, count).eval();
   *information -= cross * leverage;
   information->middleCols(begin, count).setZero();

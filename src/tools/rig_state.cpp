@@ -1,10 +1,10 @@
 #include "camera_self_calibration/tools/rig_state.h"
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/decompositions.h"
 #include "camera_self_calibration/base/formatted.h"
 #include "camera_self_calibration/camera/image_size.h"
 #include "camera_self_calibration/camera/plausibility.h"
@@ -60,7 +60,7 @@ void readCovariance(const Json& list, Matrix* matrix) {
   const double size = own.norm();
   const bool symmetric = (own - own.transpose()).norm() <= kRounding * size;
   if (own.size() == 0) return;
-  const double least = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(own).eigenvalues()(0);
+  const double least = symmetricEigenvalues(own)(0);
   if (!symmetric || !(least >= -kRounding * size)) {
     throw std::runtime_error("a covariance is none");
   }
