@@ -251,7 +251,7 @@ std::string AuditReport::sentence() const {
     text += formatted("; it has no ray for %.0f %% of the features", 100.0 * refused);
   }
   if (!where.empty()) text += "; off most " + where;
-  text += since_ns ? formatted("; since %.3f s", toSeconds(*since_ns))
+  text += since_ns ? formatted("; since the time stamp %.3f s", toSeconds(*since_ns))
                    : std::string("; from the beginning of the video");
   return text + "; likely cause: " + cause_sentence;
 }

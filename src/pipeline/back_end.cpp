@@ -132,7 +132,8 @@ std::optional<CandidateOutcome> BackEnd::canSkipSolve(const KeyframeMessage& mes
       state_.watch.clearlySame(message, outlook, state_.queue, state_.phase == Phase::kHandedOver);
   if (!p_value) return std::nullopt;
   state_.change_p_value = *p_value;
-  return CandidateOutcome{false, decision.reason + " (by its best possible score; not solved)"};
+  return CandidateOutcome{
+      false, decision.reason + " (even at its best possible score, so it was not solved)"};
 }
 
 CandidateOutcome BackEnd::offer(const Candidate& candidate) {

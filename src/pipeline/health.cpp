@@ -159,8 +159,8 @@ HealthVerdict judgeHealth(const HealthEvidence& evidence, const Camera& camera,
   if (evidence.handed_over && rms <= allowed) {
     return {CalibrationState::kConverging,
             "the calibration is " + goodTo(evidence) +
-                ", but one part of the video alone says so; no other one checks it",
-            "move so once more: " + weak.hint};
+                ", but only one part of the video supports it, and no other part can check it",
+            "repeat this motion in another place: " + weak.hint};
   }
   if (evidence.handed_over) {
     return {CalibrationState::kConverging,

@@ -93,7 +93,7 @@ QueueDecision QueuePolicy::consider(const SegmentScore& candidate,
   QueueDecision decision;
   const double score = scoreOf(kind_, candidate);
   if (!candidate.well_posed || !std::isfinite(score)) {
-    decision.reason = "refused: ill posed";
+    decision.reason = "refused: this segment alone does not determine the lens";
     return decision;
   }
   std::vector<const SegmentScore*> overlapping;

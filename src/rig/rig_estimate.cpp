@@ -144,7 +144,7 @@ void judgeRig(RigEstimate* estimate) {
     estimate->sentence += (c > 1 ? " " : "") + placeText(*estimate, c);
   }
   if (!estimate->metric) {
-    estimate->sentence += " Lengths are relative: give --baseline METERS to make them metric.";
+    estimate->sentence += " Lengths are relative: a given baseline makes them metric.";
   }
   if (!estimate->converged) {
     estimate->hint =

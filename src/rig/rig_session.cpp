@@ -368,9 +368,9 @@ void RigSession::judge(RigReport* report) const {
   report->state = CalibrationState::kInitializing;
   for (std::size_t c = 0; c < lenses_.size(); ++c) {
     if (lenses_[c].handed_over) continue;
-    report->sentence = seen_[c] ? formatted("camera %zu does not know its lens yet: %s", c,
-                                            lenses_[c].sentence.c_str())
-                                : formatted("no image of camera %zu has come yet", c);
+    const std::string who = nameOf(static_cast<int>(c));
+    report->sentence = seen_[c] ? who + " does not know its lens yet: " + lenses_[c].sentence
+                                : "no image of " + who + " has come yet";
     report->hint = lenses_[c].hint;
     return;
   }
@@ -396,7 +396,7 @@ void RigSession::judge(RigReport* report) const {
   report->hint = estimate.hint;
   if (!report->last_failure.empty()) {
     report->sentence = withFullStop(report->sentence) +
-                       " The newest joint solution replaces nothing: " + report->last_failure;
+                       " The newest joint solution was not used: " + report->last_failure;
   }
   if (!estimate.converged) return;
   if (certain_) {
@@ -409,8 +409,8 @@ void RigSession::judge(RigReport* report) const {
     const CalibrationReport joint = withJointIntrinsics(lens, estimate, static_cast<int>(c), limit);
     if (joint.state == CalibrationState::kConverged) continue;
     const bool alone = lens.state != CalibrationState::kConverged;
-    report->sentence += formatted(" Camera %zu is not CONVERGED: ", c) +
-                        withFullStop(alone ? lens.sentence : joint.sentence);
+    report->sentence += " " + asSentence(nameOf(static_cast<int>(c)) + " is not CONVERGED: " +
+                                         (alone ? lens.sentence : joint.sentence));
     report->hint = alone
                        ? lens.hint
                        : "turn the rig about all axes, and move what is seen over the whole image";

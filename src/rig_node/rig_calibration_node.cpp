@@ -252,6 +252,8 @@ CalibrationStore::Outcome RigCalibrationNode::saveTo(RigStore* store, const RigR
     infos.push_back(camera_info_->infoFor(c, std_msgs::Header(), camera.width(), camera.height()));
     states.push_back(calibrator_->state(c));
   }
+  const std::string obstacle = store->obstacle(report, states);
+  if (!obstacle.empty()) return {false, "not saved: " + obstacle};  // no failure of the storage
   const CalibrationStore::Outcome outcome = store->save(report, infos, states);
   if (outcome.success) warnOfNotes(*store, report);
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -275,7 +277,7 @@ std::string RigCalibrationNode::inputProblem() {
     Port& port = *ports_[c];
     const std::string who = cameraText(options_, c);
     if (port.last_image.isZero()) {
-      return "No image of " + who + " has come yet: is the camera running, and is the name right?";
+      return "Is " + who + " running, and is the name of its topic right?";
     }
     const double silence = (ros::WallTime::now() - port.last_image).toSec();
     if (silence > kSilence) return formatted("No image of %s for %.0f s.", who.c_str(), silence);

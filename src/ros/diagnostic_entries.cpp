@@ -17,14 +17,15 @@ namespace {
 std::string meaningOf(EventType type) {
   switch (type) {
     case EventType::kHandover:
-      return " (HANDOVER: startup is over. From now on only the most informative segments are "
-             "kept.)";
+      return " (HANDOVER: the queue of the most informative segments gives the calibration from "
+             "now on.)";
     case EventType::kConverged:
       return " (CONVERGED: the calibration is good enough for use, and camera_info is published.)";
     case EventType::kNoLongerConverged:
       return " (NO_LONGER_CONVERGED: the calibration is not good enough for use any more.)";
     case EventType::kCalibrationChange:
-      return " (CALIBRATION_CHANGE: the lens was bumped, refocused or zoomed.)";
+      return " (CALIBRATION_CHANGE: the images no longer fit the calibration that was in use, as "
+             "after a bump, a zoom or a new focus.)";
     case EventType::kMountChanged:
       return " (MOUNT_CHANGED: a camera was turned or moved against the others.)";
     case EventType::kRelocalized:

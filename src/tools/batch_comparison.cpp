@@ -115,8 +115,13 @@ std::string batchText(const CalibrationReport& queue, const BatchComparison& com
          << std::setprecision(5) << " | " << std::setw(12) << queue.camera.parameters()(i) << " | "
          << std::setw(10) << std::sqrt(queue.covariance(i, i)) << " | " << std::setw(12)
          << batch->camera.parameters()(i) << " | " << std::setw(10)
-         << std::sqrt(batch->covariance(i, i)) << " | " << std::setprecision(2) << std::setw(5)
-         << efficientDifference(queue, *batch, i) << " sigma\n";
+         << std::sqrt(batch->covariance(i, i)) << " | " << std::setprecision(2) << std::setw(5);
+    const double difference = efficientDifference(queue, *batch, i);
+    if (std::isfinite(difference)) {
+      text << difference << " sigma\n";
+    } else {
+      text << "-\n";
+    }
   }
   text << std::setprecision(3) << "  distance: " << pixelDistance(queue.camera, batch->camera).rms
        << " px rms\n";

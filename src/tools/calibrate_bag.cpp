@@ -162,7 +162,9 @@ int run(const CalibrateBagArguments& arguments) {
   }
   if (recording.frames == 0) {
     std::cerr << "calibrate_bag: no images in " << arguments.source.path
-              << (source.name.empty() ? " (it has no image topic)" : "") << '\n';
+              << (source.name.empty() ? " (it has no image topic)"
+                                      : " between --start and --duration")
+              << '\n';
     return kNoImages;
   }
   const TrajectoryResults trajectory = compareTrajectories(recording, arguments.ground_truth);

@@ -167,7 +167,9 @@ int run(const Arguments& arguments) {
   const std::vector<CameraResult> cameras = solveAll(histories, read.store, arguments);
   for (const CameraResult& camera : cameras) {
     std::cout << camera.history.name << ": " << toString(verdictOf(camera)) << " ("
-              << camera.history.bags.size() << " bags). " << sentenceOf(camera) << '\n';
+              << camera.history.bags.size()
+              << (camera.history.bags.size() == 1 ? " bag). " : " bags). ") << sentenceOf(camera)
+              << '\n';
   }
   writeFleet(cameras, arguments.out);
   const std::string page = (fs::path(arguments.out) / "fleet.html").string();

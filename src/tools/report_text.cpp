@@ -80,7 +80,8 @@ std::string reportText(const Recording& recording) {
   }
   text << "  shutter: " << describe(report.shutter) << '\n';
   text << std::setprecision(1) << "  " << recording.frames << " frames, " << recording.keyframes
-       << " keyframes in " << recording.processing_seconds << " s ("
+       << (recording.keyframes == 1 ? " keyframe in " : " keyframes in ")
+       << recording.processing_seconds << " s ("
        << static_cast<double>(recording.frames) / recording.processing_seconds << " fps)\n";
   if (recording.carried > 0) {
     text << "  " << recording.carried

@@ -19,13 +19,14 @@ constexpr const char* kUsage =
     "Parameters: model, intrinsics, width, height, rate [Hz], duration [s], readout [s],\n"
     "exposure [s], motion (handheld, planar, yaw_driving, rotation_only, forward_only,\n"
     "sideways_only, still), trajectory (TUM file), speed, seed, moving_share, carried_share,\n"
-    "text_overlay, auto_exposure, frame_id, publish_clock, wait_for.\n"
+    "text_overlay, auto_exposure, frame_id, world_frame, publish_clock, wait_for,\n"
+    "wait_limit [s], image_subscribers.\n"
     "Of a rig: cameras (names), and below each name what differs: the lens, mount (x, y, z [m] "
     "and\n"
     "rotation vector [degrees] on the body), bump_at [s] with bump (the same, in the camera's own\n"
     "frame), late [s] (how much after its stamps it takes images).\n"
-    "Topics: image_raw, camera_info, truth/camera_info, truth/calibration, truth/pose; of a rig\n"
-    "below the camera's name.\n";
+    "Topics: image_raw, camera_info, truth/camera_info, truth/calibration, truth/pose,\n"
+    "truth/finished; of a rig below the camera's name.\n";
 
 }  // namespace
 

@@ -75,7 +75,7 @@ TEST(Health, AnEstimateThatNothingChecksIsNotConverged) {
     alone.blind_below_px = blind;
     const HealthVerdict verdict = judgeHealth(alone, kCamera, CalibrationState::kInitializing);
     EXPECT_EQ(verdict.state, CalibrationState::kConverging);
-    EXPECT_NE(verdict.sentence.find("one part of the video alone"), std::string::npos);
+    EXPECT_NE(verdict.sentence.find("only one part of the video supports it"), std::string::npos);
     EXPECT_FALSE(verdict.hint.empty());
   }
   alone.blind_below_px = 1.6;  // of halves that are as good as each other

@@ -130,8 +130,8 @@ TEST(CalibrationEntry, WordsOfTheEstimatorAreExplained) {
         "last event");
   };
   EXPECT_EQ(event(EventType::kHandover),
-            "HANDOVER at 12.500 s: It is so. (HANDOVER: startup is over. From now on only the most "
-            "informative segments are kept.)");
+            "HANDOVER at 12.500 s: It is so. (HANDOVER: the queue of the most informative segments "
+            "gives the calibration from now on.)");
   EXPECT_EQ(event(EventType::kConverged),
             "CONVERGED at 12.500 s: It is so. (CONVERGED: the calibration is good enough for use, "
             "and camera_info is published.)");
@@ -139,9 +139,10 @@ TEST(CalibrationEntry, WordsOfTheEstimatorAreExplained) {
       event(EventType::kNoLongerConverged),
       "NO_LONGER_CONVERGED at 12.500 s: It is so. (NO_LONGER_CONVERGED: the calibration is not "
       "good enough for use any more.)");
-  EXPECT_EQ(event(EventType::kCalibrationChange),
-            "CALIBRATION_CHANGE at 12.500 s: It is so. (CALIBRATION_CHANGE: the lens was bumped, "
-            "refocused or zoomed.)");
+  EXPECT_EQ(
+      event(EventType::kCalibrationChange),
+      "CALIBRATION_CHANGE at 12.500 s: It is so. (CALIBRATION_CHANGE: the images no longer fit "
+      "the calibration that was in use, as after a bump, a zoom or a new focus.)");
   CalibrationReport missed = converged();
   missed.lens_fit.compared = missed.lens_fit.refuted = true;
   missed.lens_fit.model = "radtan";
