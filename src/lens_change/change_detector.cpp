@@ -11,7 +11,6 @@
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/base/stamp.h"
 #include "camera_self_calibration/camera/pixel_distance.h"
-#include "camera_self_calibration/lens_change/innovation_monitor.h"
 #include "camera_self_calibration/map/segment_edit.h"
 
 namespace camera_self_calibration {
@@ -33,6 +32,8 @@ constexpr double kSameLens = 0.5;
 // Statistic per observation that needs no second finding, as if each were off by one more sigma: no
 // wrong minimum is as bad.
 constexpr double kBlatant = 1.0;
+// Residual scale, over that of the queue's segments, of data that fit no lens.
+constexpr double kMaxMisfit = 2.0;
 
 int keyframesBefore(const Segment& window, std::int64_t onset_ns) {
   int count = 0;
@@ -155,9 +156,7 @@ ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlie
   }
   if (verdict.kind == Kind::kSame) {
     verdict.kind = Kind::kDoubt;
-    verdict.reason =
-        "the tracks fit less well than usual: the next keyframes will show whether the lens has "
-        "changed";
+    verdict.reason = "the tracks fit less well than usual: the next keyframes will show whether the lens has changed";
   }
   return verdict;
 }

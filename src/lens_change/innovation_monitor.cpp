@@ -20,12 +20,8 @@ constexpr double kLimit = 10.0;   // that make a suspicion: one bad frame is non
 }  // namespace
 
 bool InnovationMonitor::add(std::int64_t stamp_ns, double residual_scale) {
-  if (!(residual_scale > 0.0) || !std::isfinite(residual_scale)) return suspicious_;
+  if (suspicious_ || !(residual_scale > 0.0) || !std::isfinite(residual_scale)) return suspicious_;
   const double value = std::log(residual_scale);
-  if (suspicious_) {
-    newest_ += (value - newest_) / kFramesToLearn;
-    return true;
-  }
   if (frames_ >= kFramesToLearn) {
     const double spread = std::max(spread_, kLeastSpread);
     if (sum_ <= 0.0) onset_ns_ = stamp_ns;
@@ -33,7 +29,6 @@ bool InnovationMonitor::add(std::int64_t stamp_ns, double residual_scale) {
     sum_ = std::max(0.0, sum_);
     if (sum_ > kLimit) {
       suspicious_ = true;
-      newest_ = mean_;
       return true;
     }
   }
@@ -42,10 +37,6 @@ bool InnovationMonitor::add(std::int64_t stamp_ns, double residual_scale) {
   mean_ += share * (value - mean_);
   spread_ += share * (std::abs(value - mean_) - spread_);
   return false;
-}
-
-bool InnovationMonitor::misfits() const {
-  return suspicious_ && newest_ > mean_ + std::log(kMaxMisfit);
 }
 
 }  // namespace camera_self_calibration

@@ -178,8 +178,8 @@ void FrontEnd::locate(const TrackedFrame& frame, FrontEndOutput* output) {
     last_motion_ = world_from_camera_.inverse() * pose.world_from_camera;
     world_from_camera_ = pose.world_from_camera;
     output->result.pose_covariance = pose.covariance;
+    watchLens(frame, pose);
     resumeTracking(frame);
-    watchLens(frame, pose, output);
   } else {
     missPose(frame, output);
   }
@@ -191,20 +191,12 @@ double FrontEnd::keyframeSpacing() const {
   return well_known_ ? kWideSpacing : 1.0;
 }
 
-void FrontEnd::watchLens(const TrackedFrame& frame, const PoseEstimate& pose,
-                         FrontEndOutput* output) {
+void FrontEnd::watchLens(const TrackedFrame& frame, const PoseEstimate& pose) {
   if (!handed_over_) return;
   monitor_.add(frame.stamp_ns, pose.residual_scale);
-  if (!monitor_.suspicious() ||
-      window_.map().keyframesSince(monitor_.onsetNs()) <= options_.segment_keyframes) {
-    return;
-  }
-  // A whole window lies behind the suspected onset, and the back end has made up its mind: it is
-  // the same lens. Where nothing fits it, the map is wrong, and would stay so: each new landmark
-  // follows from the poses that the others give.
-  if (monitor_.misfits()) {
-    giveUpMap(frame, "the images no longer fit the map", output);
-  } else {
+  // By then a whole window lies behind the suspected onset, and the back end has made up its mind.
+  if (monitor_.suspicious() &&
+      window_.map().keyframesSince(monitor_.onsetNs()) > options_.segment_keyframes) {
     monitor_.reset();
   }
 }
@@ -230,21 +222,15 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
           : "no pose agrees with the " + std::to_string(tracks) +
                 " features. Move more slowly, or look at something that stands still";
   if (frames_without_pose_ < kFramesUntilLost) return;
-  output->contradicted = tracks >= kMinTracks;
-  giveUpMap(frame, "tracking was lost", output);
-}
-
-void FrontEnd::giveUpMap(const TrackedFrame& frame, const std::string& reason,
-                         FrontEndOutput* output) {
   const bool was_tracked = map_tracked_;
-  if (output->result.sentence.empty()) output->result.sentence = reason;
   resetMap();
   output->restart_tracking = true;
+  output->contradicted = tracks >= kMinTracks;
   if (was_tracked || loss_reported_) state_ = TrackingState::kLost;
   if (!was_tracked) return;
   loss_reported_ = true;
   output->events.push_back({EventType::kLost, frame.stamp_ns, frame.stamp_ns,
-                            reason + "; the calibration is kept and a new map begins"});
+                            "tracking was lost; the calibration is kept and a new map begins"});
 }
 
 // Stamp of the keyframe to hand on at this frame, if there is one. It has to be known how features

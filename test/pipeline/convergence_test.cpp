@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
 #include <iostream>
 
@@ -154,36 +153,6 @@ TEST(Convergence, AMapLostBeforeHandOverTakesNothingWithIt) {
     EXPECT_LT(report.uncertainty.rms, 3.0 * before.uncertainty.rms) << report.sentence;
     EXPECT_LT(pixelDistance(truth, report.camera).rms, 1.0);
   }
-}
-
-// As when features are taken for others that look alike: no pose and no lens explains where they
-// are seen, though half of them always fit better than the rest.
-TEST(Convergence, AMapThatImagesNoLongerFitIsGivenUp) {
-  bool mistaken = false;
-  TrackRunOptions run;
-  run.warp = [&mistaken](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
-    if (!mistaken) return pixel;
-    return pixel + 6.0 * Eigen::Vector2d(std::sin(pixel.y() / 7.0), std::sin(pixel.x() / 7.0));
-  };
-  const Camera truth = ordinaryCameras().front();
-  TrackRun calibration(truth, optionsFor(truth.model()), run);
-  ASSERT_TRUE(calibration.runUntilConverged(600));
-  const Camera before = calibration.report().camera;
-  mistaken = true;
-  calibration.run(100);
-  const std::vector<Event>& events = calibration.record.events;
-  const auto lost = std::find_if(events.begin(), events.end(),
-                                 [](const Event& event) { return event.type == EventType::kLost; });
-  ASSERT_NE(lost, events.end());
-  EXPECT_EQ(lost->sentence,
-            "the images no longer fit the map; the calibration is kept and a new map begins");
-  EXPECT_EQ(calibration.record.count(EventType::kCalibrationChange), 0);
-  mistaken = false;
-  calibration.run(150);
-  EXPECT_EQ(calibration.record.frames.back().state, TrackingState::kTracking);
-  EXPECT_EQ(calibration.record.count(EventType::kCalibrationChange), 0);
-  EXPECT_EQ(calibration.report().state, CalibrationState::kConverged);
-  EXPECT_LT(pixelDistance(before, calibration.report().camera).rms, 0.5);
 }
 
 TEST(Convergence, GivenIntrinsicsAreHeldIfAskedFor) {

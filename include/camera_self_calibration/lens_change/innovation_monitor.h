@@ -4,9 +4,6 @@
 
 namespace camera_self_calibration {
 
-/// Residual scale, over what is usual, of data that no lens fits.
-constexpr double kMaxMisfit = 2.0;
-
 /// The fast watch over the lens, frame by frame: raises a suspicion when the tracks fit the map
 /// worse than they used to, held intrinsics and all. A cumulated sum (CUSUM) of the logarithm of
 /// the frames' residual scales against their own running mean and spread. A suspicion is no alarm:
@@ -21,10 +18,6 @@ class InnovationMonitor {
   /// Stamp of the frame in which the present suspicion began [ns].
   std::int64_t onsetNs() const { return onset_ns_; }
 
-  /// While suspicious: whether the newest frames still fit worse than kMaxMisfit times what was
-  /// usual before.
-  bool misfits() const;
-
   /// Ends a suspicion that was looked into: what is now usual is learnt anew.
   void reset() { *this = InnovationMonitor(); }
 
@@ -34,7 +27,6 @@ class InnovationMonitor {
   double spread_ = 0.0;  // mean absolute deviation
   double sum_ = 0.0;
   bool suspicious_ = false;
-  double newest_ = 0.0;  // mean of the newest frames' logarithms since then
   std::int64_t onset_ns_ = 0;
 };
 

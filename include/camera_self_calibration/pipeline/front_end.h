@@ -104,15 +104,13 @@ class FrontEnd {
                     const Describe& describe, FrontEndOutput* output);
   void seekOlderMap(const TrackedFrame& whole, const Describe& describe, FrontEndOutput* output);
   double keyframeSpacing() const;
-  void watchLens(const TrackedFrame& frame, const PoseEstimate& pose, FrontEndOutput* output);
+  void watchLens(const TrackedFrame& frame, const PoseEstimate& pose);
   std::optional<std::int64_t> keyframeToHandOn(const FrontEndOutput& output) const;
   KeyframeMessage keyframeMessage(std::int64_t stamp_ns) const;
   bool mayRoll() const { return options_.estimate_readout || options_.readout_s != 0.0; }
   TrackedFrame withMotion(const TrackedFrame& frame);
   void resumeTracking(const TrackedFrame& frame);
   void missPose(const TrackedFrame& frame, FrontEndOutput* output);
-  // A new map begins, with new features.
-  void giveUpMap(const TrackedFrame& frame, const std::string& reason, FrontEndOutput* output);
 
   Options options_;
   SlidingWindow window_;
