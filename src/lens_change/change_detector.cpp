@@ -156,7 +156,9 @@ ChangeVerdict ChangeDetector::examineSuspicion(const Segment& window, int earlie
   }
   if (verdict.kind == Kind::kSame) {
     verdict.kind = Kind::kDoubt;
-    verdict.reason = "the tracks fit less well than usual: the next keyframes will show whether the lens has changed";
+    verdict.reason =
+        "the tracks fit less well than usual: the next keyframes will show whether the lens has "
+        "changed";
   }
   return verdict;
 }
