@@ -87,7 +87,7 @@ TEST(FactoryCalibration, ALensThatChangesMakesItWrongSinceThen) {
   zoomed.last_change_ns = 5000000000;
   factory.update(zoomed);
   EXPECT_EQ(factory.audit().audit.verdict, AuditVerdict::kWrong);
-  EXPECT_TRUE(says(factory, "since 5.000 s")) << factory.audit().sentence;
+  EXPECT_TRUE(says(factory, "since the time stamp 5.000 s")) << factory.audit().sentence;
 }
 
 TEST(FactoryCalibration, StartsInTheModelToEstimate) {
