@@ -2,7 +2,7 @@
 
 #include <ceres/crs_matrix.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 #include <algorithm>

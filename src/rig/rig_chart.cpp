@@ -1,6 +1,6 @@
 #include "rig_chart.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <cmath>
 
 #include "camera_self_calibration/base/decompositions.h"

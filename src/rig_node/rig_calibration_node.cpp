@@ -252,9 +252,8 @@ CalibrationStore::Outcome RigCalibrationNode::saveTo(RigStore* store, const RigR
     infos.push_back(camera_info_->infoFor(c, std_msgs::Header(), camera.width(), camera.height()));
     states.push_back(calibrator_->state(c));
   }
-  const std::string obstacle = store->obstacle(report, states);
-  if (!obstacle.empty()) return {false, "not saved: " + obstacle};  // no failure of the storage
   const CalibrationStore::Outcome outcome = store->save(report, infos, states);
+  if (outcome.refused) return outcome;  // nothing is wrong with the files
   if (outcome.success) warnOfNotes(*store, report);
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!outcome.success && outcome.message != saving_) log_.warn(outcome.message);

@@ -96,24 +96,17 @@ std::string RigStore::saveCamchain(const RigReport& report) const {
   }
 }
 
-std::string RigStore::obstacle(
-    const RigReport& report, const std::vector<std::shared_ptr<const LearntState>>& states) const {
-  if (report.state != CalibrationState::kConverged) {
-    return "the rig is not CONVERGED: " + report.sentence;
-  }
-  for (std::size_t c = 0; c < states.size() && !rig_file_.empty(); ++c) {
-    if (states[c] && states[c]->epoch == report.cameras[c].epoch) continue;
-    return "camera " + names_[c] + " has not learnt its lens yet";
-  }
-  return {};
-}
-
 CalibrationStore::Outcome RigStore::save(
     const RigReport& report, const std::vector<sensor_msgs::CameraInfo>& infos,
     const std::vector<std::shared_ptr<const LearntState>>& states) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  const std::string obstacle = this->obstacle(report, states);
-  if (!obstacle.empty()) return {false, "not saved: " + obstacle};
+  if (report.state != CalibrationState::kConverged) {
+    return {false, "not saved: the rig is not CONVERGED: " + report.sentence, true};
+  }
+  for (std::size_t c = 0; c < states.size() && !rig_file_.empty(); ++c) {
+    if (states[c] && states[c]->epoch == report.cameras[c].epoch) continue;
+    return {false, "not saved: camera " + names_[c] + " has not learnt its lens yet", true};
+  }
   std::string written;
   std::string failed;
   const auto note = [](const std::string& what, std::string* list) {

@@ -97,6 +97,7 @@ TEST_F(RigStoreTest, WhatIsNoRigIsLeftUntouched) {
   ASSERT_EQ(writeFileAtomically(file, "notes"), "");
   EXPECT_FALSE(load().rig);
   EXPECT_FALSE(save(converged()).success);
+  EXPECT_FALSE(save(converged()).refused);  // an operator has to do something about it
   EXPECT_EQ(readFile(file).bytes, "notes");
 }
 
@@ -104,6 +105,7 @@ TEST_F(RigStoreTest, WhatIsNoRigIsLeftUntouched) {
 TEST_F(RigStoreTest, NothingIsSavedWhileALensIsLearntAnew) {
   ASSERT_TRUE(save(converged(0.11)).success);
   EXPECT_FALSE(save(converged(0.5), 1).success);
+  EXPECT_TRUE(save(converged(0.5), 1).refused);
   RigStore store(options_, "rig", false);
   EXPECT_FALSE(store.save(converged(0.5), infos_, {learnt(0), nullptr}).success);
   EXPECT_EQ(load().rig->rig.rig_from_camera[1].translation.x(), 0.11);
@@ -113,6 +115,7 @@ TEST_F(RigStoreTest, ARigThatHasNotConvergedIsNotSaved) {
   RigReport report = converged();
   report.state = CalibrationState::kConverging;
   EXPECT_FALSE(save(report).success);
+  EXPECT_TRUE(save(report).refused);
   EXPECT_FALSE(load().rig);
 }
 

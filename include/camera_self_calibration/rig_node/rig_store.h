@@ -38,14 +38,9 @@ class RigStore {
   CalibrationStore::Loaded loadCamera(int camera, std::optional<CameraModel> model, int width,
                                       int height);
 
-  /// Why nothing may be saved at present, empty if it may: the rig is not CONVERGED or, where
-  /// states are kept, a camera has begun to learn another lens since the report. `states`: what
-  /// each camera has learnt (null: nothing yet).
-  std::string obstacle(const RigReport& report,
-                       const std::vector<std::shared_ptr<const LearntState>>& states) const;
-
-  /// Writes nothing where there is an obstacle(). `infos`: of each camera, as they go out at
-  /// present.
+  /// `infos` and `states`: of each camera, as they go out at present, and what it has learnt (null:
+  /// nothing yet). Refused for a rig that is not CONVERGED and, where states are kept, for one
+  /// whose cameras have learnt another lens since the report.
   CalibrationStore::Outcome save(const RigReport& report,
                                  const std::vector<sensor_msgs::CameraInfo>& infos,
                                  const std::vector<std::shared_ptr<const LearntState>>& states);

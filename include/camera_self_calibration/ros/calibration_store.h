@@ -43,7 +43,8 @@ class CalibrationStore {
 
   struct Outcome {
     bool success = false;
-    std::string message;  ///< What was written where, or what went wrong.
+    std::string message;   ///< What was written where, or what went wrong.
+    bool refused = false;  ///< Nothing was tried, since what there is must not be kept.
   };
 
   /// Keeps both, where a file is given; a CameraInfo of zeros never replaces a calibration. After
