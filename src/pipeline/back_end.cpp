@@ -52,6 +52,7 @@ void BackEnd::see(const KeyframeMessage& message) {
   // The front end goes on counting where a saved state ended.
   if (state_.keyframes == 0) state_.earlier_keyframes = message.keyframes - 1;
   state_.keyframes = message.keyframes;
+  if (message.candidate.keyframes.size() == 1) ++state_.maps;
 }
 
 void BackEnd::runStartup(const Segment& history) {
@@ -79,7 +80,7 @@ void BackEnd::followTheBetter() {
   const QueueStanding standing = queueStanding(state_.startup, state_.queue, state_.field);
   const QueueSolution& solution = state_.queue.solution();
   if (standing.doubt.empty()) state_.startup.beginNextFrom(solution.camera, solution.covariance);
-  advance(betterEstimate(state_.startup, standing));
+  advance(betterEstimate(state_.startup, standing, handoverLimits()));
   if (state_.phase == Phase::kQueueLeads) {
     adoptSolution();
   } else if (state_.startup.usable()) {

@@ -51,6 +51,8 @@ HealthVerdict verdictOn(const BackEndState& state, double converged_rms, Calibra
   const LensFitReport& fit = state.lens_fit.report();
   HealthEvidence evidence;
   evidence.keyframes = static_cast<int>(state.keyframesOfLens());
+  evidence.maps = state.maps;
+  evidence.needed_keyframes = 2 * state.segment_keyframes;
   evidence.has_estimate = by_queue || state.startup.usable();
   evidence.handed_over = !isStarting(state.phase);
   evidence.information =

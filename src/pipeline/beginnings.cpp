@@ -28,6 +28,7 @@ std::string describe(const Event& event) {
 
 BackEndState::BackEndState(const Options& options, const Camera& camera)
     : chooses_model(!options.model),
+      segment_keyframes(options.segment_keyframes),
       startup(startupOptions(options), camera),
       queue(QueuePolicy(options.queue_segments, options.alpha, options.score),
             options.solver_threads),
@@ -111,6 +112,7 @@ CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
   advance(PhaseTrigger::kLensChanged);
   ++state_.counters.epoch;
   state_.earlier_keyframes = state_.keyframes;
+  state_.maps = 1;
   state_.health.state = CalibrationState::kInitializing;
   converged_told_ = false;  // the event above says it
   state_.model_choice = ModelChoice(ModelChoiceOptions());

@@ -215,7 +215,9 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
   ++frames_without_pose_;
   const int tracks = static_cast<int>(frame.tracks.size());
   output->result.sentence =
-      tracks < kMinTracks
+      frame.unrelated ? "the image shows nothing of the one before it: a cut, missing images, or a "
+                        "covered lens"
+      : tracks < kMinTracks
           ? "only " + std::to_string(tracks) + " features could be tracked; " +
                 std::to_string(kMinTracks) +
                 " are needed. Move more slowly, or show the camera more texture"
@@ -229,8 +231,10 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
   if (was_tracked || loss_reported_) state_ = TrackingState::kLost;
   if (!was_tracked) return;
   loss_reported_ = true;
+  const std::string what =
+      frame.unrelated ? "the images show nothing of what they showed before" : "tracking was lost";
   output->events.push_back({EventType::kLost, frame.stamp_ns, frame.stamp_ns,
-                            "tracking was lost; the calibration is kept and a new map begins"});
+                            what + "; the calibration is kept and a new map begins"});
 }
 
 // Stamp of the keyframe to hand on at this frame, if there is one. It has to be known how features

@@ -54,11 +54,16 @@ QueueStanding queueStanding(const Startup& startup, const SegmentQueue& queue,
     standing.contradicts_startup = !(distance_px <= kMaxStartupDistance * expected);
   }
   standing.doubt = doubtOf(queue, standing, distance_px);
+  standing.unchecked = solution.usable && queue.candidates().size() == 1;
   return standing;
 }
 
-PhaseTrigger betterEstimate(const Startup& startup, const QueueStanding& standing) {
-  if (standing.doubt.empty() && !(standing.startup_uncertainty.rms <= standing.uncertainty.rms)) {
+PhaseTrigger betterEstimate(const Startup& startup, const QueueStanding& standing,
+                            const HandoverLimits& limits) {
+  // What is vague may be a wrong minimum.
+  const bool enough = standing.unchecked && standing.uncertainty.rms < limits.pixel_rms;
+  const bool leads = standing.doubt.empty() || (enough && !startup.isInformative());
+  if (leads && !(standing.startup_uncertainty.rms <= standing.uncertainty.rms)) {
     return PhaseTrigger::kQueueBetter;
   }
   return startup.isInformative() ? PhaseTrigger::kStartupBetter : PhaseTrigger::kUninformed;

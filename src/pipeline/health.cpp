@@ -98,6 +98,20 @@ std::string beginning(const HealthEvidence& evidence) {
                             : "the calibration is starting";
 }
 
+// Before a map determines anything. One that is lost may be an accident.
+bool isLostTooSoon(const HealthEvidence& evidence) {
+  return evidence.maps > 2 && evidence.keyframes < evidence.maps * evidence.needed_keyframes;
+}
+
+// The motion that would tell more, if images could be followed long enough to learn from it.
+std::string motionFor(const WeakDirection& weak, const HealthEvidence& evidence) {
+  if (!isLostTooSoon(evidence)) return weak.hint;
+  return formatted(
+      "tracking was lost %d times, too soon to learn from: move more slowly, with more light; if "
+      "the motion is slow, see whether images are missing, blurred or interlaced",
+      evidence.maps - 1);
+}
+
 // However the camera moves: under this model no motion gives a calibration.
 HealthVerdict startsUnderAWrongModel(const HealthEvidence& evidence) {
   return {CalibrationState::kInitializing,
@@ -118,7 +132,7 @@ HealthVerdict degenerate(const HealthEvidence& evidence, const WeakDirection& we
   return {CalibrationState::kDegenerate,
           "the motion so far does not determine the intrinsics; least known: " + weak.name +
               ", which keeps its last value",
-          weak.hint + orUseAuto(evidence)};
+          motionFor(weak, evidence) + orUseAuto(evidence)};
 }
 
 HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection& weak) {
@@ -133,7 +147,7 @@ HealthVerdict stillLearning(const HealthEvidence& evidence, const WeakDirection&
   }
   if (!evidence.obstacle.empty()) sentence += "; " + evidence.obstacle;
   return {CalibrationState::kInitializing, sentence,
-          evidence.segments_disagree ? onDisagreement(evidence) : weak.hint};
+          evidence.segments_disagree ? onDisagreement(evidence) : motionFor(weak, evidence)};
 }
 
 }  // namespace

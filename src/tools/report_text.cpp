@@ -35,6 +35,17 @@ std::string auditText(const AuditReport& audit) {
   return text + '\n';
 }
 
+// "a pose for 88 of 165 images; tracking was lost 10 times".
+std::string trackingText(const Recording& recording) {
+  const auto lost =
+      std::count_if(recording.events.begin(), recording.events.end(),
+                    [](const Event& event) { return event.type == EventType::kLost; });
+  std::string text = "a pose for " + std::to_string(recording.poses.size()) + " of " +
+                     std::to_string(recording.frames) + " images; tracking was ";
+  if (lost == 0) return text + "never lost";
+  return text + "lost " + (lost == 1 ? "once" : std::to_string(lost) + " times");
+}
+
 }  // namespace
 
 namespace {
@@ -83,6 +94,7 @@ std::string reportText(const Recording& recording) {
        << (recording.keyframes == 1 ? " keyframe in " : " keyframes in ")
        << recording.processing_seconds << " s ("
        << static_cast<double>(recording.frames) / recording.processing_seconds << " fps)\n";
+  text << "  " << trackingText(recording) << '\n';
   if (recording.carried > 0) {
     text << "  " << recording.carried
          << " features moved with the camera (on the robot itself, or in "

@@ -14,6 +14,7 @@
 #include "camera_self_calibration/tracking/lucas_kanade.h"
 #include "camera_self_calibration/tracking/patch_registration.h"
 #include "camera_self_calibration/tracking/pyramid.h"
+#include "camera_self_calibration/tracking/scene_correlation.h"
 #include "camera_self_calibration/tracking/stripes.h"
 #include "camera_self_calibration/tracking/track_gate.h"
 #include "camera_self_calibration/tracking/tracker.h"
@@ -45,7 +46,8 @@ struct Tracker::Impl {
 
   void restart();
   void load(const ImageView& image);
-  void advance();
+  // Whether the image shows what the one before it does: only then tracks advance.
+  bool advance();
   std::vector<Track> detect();
   std::vector<Eigen::Vector2d> corners(int count);
   template <typename Keep>
@@ -54,13 +56,15 @@ struct Tracker::Impl {
   void listTracks();
 
   TrackerOptions options;
-  bool usable = false;  // whether the image tracked last was an image
+  bool usable = false;  // whether the image tracked last showed the scene
   TrackedFrame frame;
   TrackedFrame nothing;
   std::vector<Feature> features;
 
  private:
   void predict();
+  bool isSlow();
+  bool followsPrevious();
   void search();
   void find(std::size_t i, PatchRegistration* worker);
   bool findFrom(std::size_t i, const Warp& start, const Eigen::Vector2d& expected,
@@ -101,6 +105,8 @@ struct Tracker::Impl {
   FlowPrediction flow_;
   ZoomSearch zoom_search_;
   LocalMotion local_motion_;
+  SceneCorrelation scene_;
+  int unrelated_ = 0;  // images since the newest that follows the one before it
   LucasKanade backward_;
   std::array<PatchRegistration, kStripes> registrations_;
   std::vector<TrackGate> gates_;  // by level
@@ -109,6 +115,7 @@ struct Tracker::Impl {
   // Of the features that were found in the previous image: where, and where the flow leads.
   std::vector<cv::Point2f> from_;
   std::vector<cv::Point2f> predicted_;
+  std::vector<double> speeds_;            // of features [px per image]
   std::vector<int> flow_index_;           // of each feature in them; -1: none
   std::vector<Registration> registered_;  // how the features were found, where they were
   std::array<std::vector<Registration>, ReferencePatch::kLevels> accepted_;  // of those, by level

@@ -73,8 +73,9 @@ TEST(Handover, AQueueThatContradictsTheBatchIsDoubted) {
 TEST(Handover, TheBetterEstimateLeads) {
   const SegmentQueue queue = queueOf({lens(), lens(), lens()});
   const IntrinsicsMatrix& information = queue.solution().information;
-  const auto leader = [](const Startup& startup, const SegmentQueue& seen) {
-    return betterEstimate(startup, queueStanding(startup, seen, ImageField()));
+  double limit_px = 2.0;
+  const auto leader = [&](const Startup& startup, const SegmentQueue& seen) {
+    return betterEstimate(startup, queueStanding(startup, seen, ImageField()), {limit_px, -100.0});
   };
   const Startup better = startupThatSays(queue.solution().camera, 9.0 * information);
   const Startup worse = startupThatSays(queue.solution().camera, information / 9.0);
@@ -86,6 +87,15 @@ TEST(Handover, TheBetterEstimateLeads) {
   const Startup useless = startupThatSays(lens(), 1e-8 * information);
   ASSERT_TRUE(useless.usable());
   EXPECT_EQ(leader(useless, roomyQueue()), PhaseTrigger::kUninformed);
+  // One segment is enough where the batch tells nothing, unless another contradicts it.
+  const SegmentQueue one = queueOf({lens()});
+  EXPECT_EQ(leader(nothing(), one), PhaseTrigger::kQueueBetter);
+  EXPECT_EQ(leader(useless, one), PhaseTrigger::kQueueBetter);
+  EXPECT_EQ(leader(worse, one), PhaseTrigger::kStartupBetter);
+  limit_px = 0.5 * pixelUncertainty(lens(), one.solution().covariance, ImageField()).rms;
+  EXPECT_EQ(leader(nothing(), one), PhaseTrigger::kUninformed);
+  limit_px = 2.0;
+  EXPECT_EQ(leader(nothing(), queueOf({lens(), zoomed(lens(), 1.06)})), PhaseTrigger::kUninformed);
 }
 
 TEST(Handover, NeedsPixelsOrEntropy) {

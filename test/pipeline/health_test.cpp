@@ -170,6 +170,23 @@ TEST(Health, KeepsDegenerateAtItsLimit) {
   EXPECT_EQ(at(0.012, CalibrationState::kDegenerate), CalibrationState::kInitializing);
 }
 
+// What helps then is that tracking lasts.
+TEST(Health, AsksForNoMotionWhereTrackingIsLostAgainAndAgain) {
+  HealthEvidence lost = evidence(60, false, 0.2 * 640);
+  lost.needed_keyframes = 20;
+  const auto hint = [&] {
+    return judgeHealth(lost, kCamera, CalibrationState::kInitializing).hint;
+  };
+  for (const int maps : {1, 2, 3}) {
+    lost.maps = maps;
+    EXPECT_EQ(hint().find("lost"), std::string::npos) << hint();
+  }
+  lost.maps = 4;
+  EXPECT_NE(hint().find("tracking was lost 3 times"), std::string::npos) << hint();
+  lost.uncertainty = {3.0, 6.0};
+  EXPECT_NE(hint().find("tracking was lost 3 times"), std::string::npos) << hint();
+}
+
 // Where no motion can help, none is asked for.
 TEST(Health, BlamesAWrongModelRatherThanTheMotion) {
   HealthEvidence wrong = evidence(15, false, 0.2 * 640);

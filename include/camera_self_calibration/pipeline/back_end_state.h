@@ -57,7 +57,8 @@ struct BackEndState {
   /// Seen of the present lens.
   std::int64_t keyframesOfLens() const { return keyframes - earlier_keyframes; }
 
-  bool chooses_model;  ///< Else it was given.
+  bool chooses_model;     ///< Else it was given.
+  int segment_keyframes;  ///< Of a segment.
   Phase phase = Phase::kNothingKnown;
   KnownLens known;
   Startup startup;
@@ -77,8 +78,9 @@ struct BackEndState {
   std::int64_t keyframes = 0;  ///< Seen so far.
   /// Of them, those of earlier lenses, or from before this start.
   std::int64_t earlier_keyframes = 0;
-  ImageField field;             ///< The part of the image that sees.
-  CandidateOutcome outcome;     ///< Of its candidate.
+  int maps = 0;              ///< That keyframes of this start were in; all but the last are lost.
+  ImageField field;          ///< The part of the image that sees.
+  CandidateOutcome outcome;  ///< Of its candidate.
   double change_p_value = 1.0;  ///< Of the newest test whether the lens is still the same.
   std::string obstacle;         ///< To hand-over, in words; empty if there is none.
 };
