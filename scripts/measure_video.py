@@ -295,4 +295,5 @@ def compared(places):
         summary = calibrate(places, bag, options.split())
         rows.append([video, two_digits(distance(places, truth, summary["camera"])), stated(summary),
                      summary["state"], f"{summary['processing_seconds']:.0f}", colmap])
-    return table(["video", "this package: error [px]", "stated [px]", "state", "in [s]", "COLMAP 3.8"], rows)
+    headings = ["video", "this package: error [px]", "stated [px]", "state", "computed in [s]", "COLMAP 3.8"]
+    return table(headings, rows)
