@@ -1,5 +1,6 @@
 #include "camera_self_calibration/pipeline/back_end.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -52,7 +53,11 @@ void BackEnd::see(const KeyframeMessage& message) {
   // The front end goes on counting where a saved state ended.
   if (state_.keyframes == 0) state_.earlier_keyframes = message.keyframes - 1;
   state_.keyframes = message.keyframes;
-  if (message.candidate.keyframes.size() == 1) ++state_.maps;
+  if (message.candidate.keyframes.size() == 1) {
+    ++state_.maps;
+    state_.map_begin = state_.keyframes;
+  }
+  state_.longest_map = std::max(state_.longest_map, state_.keyframes - state_.map_begin + 1);
 }
 
 void BackEnd::runStartup(const Segment& history) {

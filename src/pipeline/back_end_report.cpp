@@ -52,6 +52,7 @@ HealthVerdict verdictOn(const BackEndState& state, double converged_rms, Calibra
   HealthEvidence evidence;
   evidence.keyframes = static_cast<int>(state.keyframesOfLens());
   evidence.maps = state.maps;
+  evidence.longest_map = static_cast<int>(state.longest_map);
   evidence.needed_keyframes = 2 * state.segment_keyframes;
   evidence.has_estimate = by_queue || state.startup.usable();
   evidence.handed_over = !isStarting(state.phase);

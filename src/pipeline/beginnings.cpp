@@ -113,6 +113,7 @@ CandidateOutcome BackEnd::beginLens(const ChangeVerdict& verdict) {
   ++state_.counters.epoch;
   state_.earlier_keyframes = state_.keyframes;
   state_.maps = 1;
+  state_.longest_map = 0;
   state_.health.state = CalibrationState::kInitializing;
   converged_told_ = false;  // the event above says it
   state_.model_choice = ModelChoice(ModelChoiceOptions());

@@ -120,7 +120,7 @@ void FrontEnd::scaleMap(double factor) {
 // How the features move, for this image, and better now for the images before it.
 TrackedFrame FrontEnd::withMotion(const TrackedFrame& frame) {
   TrackedFrame moving = frame;
-  if (!mayRoll()) return moving;
+  if (!mayRoll() || frame.unrelated) return moving;
   motions_.add(frame);
   for (int ago = 1; ago < std::min(motions_.size(), MotionHistory::kReach + 1); ++ago) {
     if (window_.hasKeyframe(motions_.stampNs(ago))) {
@@ -146,7 +146,8 @@ FrontEndOutput FrontEnd::process(const TrackedFrame& seen,
   if (!output.restart_tracking && (first || due)) {
     makeKeyframe(frame, detect(), describe, &output);
   }
-  if (const auto stamp_ns = keyframeToHandOn(output)) {
+  const auto stamp_ns = frame.unrelated ? std::nullopt : keyframeToHandOn(output);
+  if (stamp_ns) {
     output.keyframe = keyframeMessage(*stamp_ns);
     output.keyframe->field = frame.field;
   }
@@ -215,8 +216,9 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
   ++frames_without_pose_;
   const int tracks = static_cast<int>(frame.tracks.size());
   output->result.sentence =
-      frame.unrelated ? "the image shows nothing of the one before it: a cut, missing images, or a "
-                        "covered lens"
+      frame.unrelated
+          ? "the image shows nothing of what was tracked before: a cut, missing images, or "
+            "something in front of the lens"
       : tracks < kMinTracks
           ? "only " + std::to_string(tracks) + " features could be tracked; " +
                 std::to_string(kMinTracks) +
@@ -232,7 +234,7 @@ void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
   if (!was_tracked) return;
   loss_reported_ = true;
   const std::string what =
-      frame.unrelated ? "the images show nothing of what they showed before" : "tracking was lost";
+      frame.unrelated ? "the images show nothing of what was tracked" : "tracking was lost";
   output->events.push_back({EventType::kLost, frame.stamp_ns, frame.stamp_ns,
                             what + "; the calibration is kept and a new map begins"});
 }

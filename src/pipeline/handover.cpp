@@ -54,7 +54,8 @@ QueueStanding queueStanding(const Startup& startup, const SegmentQueue& queue,
     standing.contradicts_startup = !(distance_px <= kMaxStartupDistance * expected);
   }
   standing.doubt = doubtOf(queue, standing, distance_px);
-  standing.unchecked = solution.usable && queue.candidates().size() == 1;
+  standing.unchecked =
+      solution.usable && queue.candidates().size() == 1 && !standing.contradicts_startup;
   return standing;
 }
 

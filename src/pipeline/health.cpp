@@ -98,18 +98,19 @@ std::string beginning(const HealthEvidence& evidence) {
                             : "the calibration is starting";
 }
 
-// Before a map determines anything. One that is lost may be an accident.
+// A map that ends soon may be an accident, two are none.
 bool isLostTooSoon(const HealthEvidence& evidence) {
-  return evidence.maps > 2 && evidence.keyframes < evidence.maps * evidence.needed_keyframes;
+  return evidence.maps > 2 && evidence.longest_map < evidence.needed_keyframes;
 }
 
 // The motion that would tell more, if images could be followed long enough to learn from it.
 std::string motionFor(const WeakDirection& weak, const HealthEvidence& evidence) {
   if (!isLostTooSoon(evidence)) return weak.hint;
   return formatted(
-      "tracking was lost %d times, too soon to learn from: move more slowly, with more light; if "
-      "the motion is slow, see whether images are missing, blurred or interlaced",
-      evidence.maps - 1);
+      "tracking never lasts for more than %d keyframes, of which %d are needed: move more slowly, "
+      "with more light; if the motion is slow, see whether images are missing, blurred or "
+      "interlaced",
+      evidence.longest_map, evidence.needed_keyframes);
 }
 
 // However the camera moves: under this model no motion gives a calibration.

@@ -61,14 +61,24 @@ void LocalMotion::add(const cv::Point2f& from, const cv::Point2f& to) {
   weights_[count_++] = 1.0f;
 }
 
+// Distance of a feature from where it is expected.
+double LocalMotion::miss(std::size_t i) const {
+  const Eigen::Vector2d expected = at({from_x_[i], from_y_[i]}).pixel;
+  return (expected - Eigen::Vector2d(to_x_[i], to_y_[i])).norm();
+}
+
+int LocalMotion::countExpected() const {
+  if (count_ < kMinPairs) return 0;
+  int count = 0;
+  for (std::size_t i = 0; i < count_; ++i) count += miss(i) < kMinMiss;
+  return count;
+}
+
 void LocalMotion::weighOutliers() {
   scatter_ = 0.0;
   if (count_ < kMinPairs) return;
   misses_.clear();
-  for (std::size_t i = 0; i < count_; ++i) {
-    const Eigen::Vector2d expected = at({from_x_[i], from_y_[i]}).pixel;
-    misses_.push_back((expected - Eigen::Vector2d(to_x_[i], to_y_[i])).norm());
-  }
+  for (std::size_t i = 0; i < count_; ++i) misses_.push_back(miss(i));
   sorted_ = misses_;
   const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
   std::nth_element(sorted_.begin(), middle, sorted_.end());

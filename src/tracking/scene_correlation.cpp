@@ -4,10 +4,13 @@
 #include <cmath>
 #include <optional>
 
+#include "camera_self_calibration/base/median.h"
+
 namespace camera_self_calibration {
 namespace {
 
 constexpr int kBlock = 8;             // [px of the level]
+constexpr int kLeastSide = 80;        // [px of the level] For enough blocks.
 constexpr std::size_t kFewest = 10;   // Blocks that tell, for their median to tell.
 constexpr double kMinVariance = 4.0;  // [gray^2] Below lies what noise leaves at this level.
 
@@ -27,6 +30,14 @@ struct Sums {
   double varianceOfB() const { return (bb - b * b / count) / count; }
   double covariance() const { return (ab - a * b / count) / count; }
 };
+
+int coarseLevel(const ImagePyramid& image) {
+  int level = image.levels() - 1;
+  while (level > 0 && std::max(image.level(level).cols, image.level(level).rows) < kLeastSide) {
+    --level;
+  }
+  return level;
+}
 
 bool inside(const cv::Mat& image, const Eigen::Vector2d& at) {
   return at.x() >= 0.0 && at.y() >= 0.0 && at.x() <= image.cols - 1 && at.y() <= image.rows - 1;
@@ -54,9 +65,9 @@ std::optional<double> correlationOf(const cv::Mat& before, const cv::Mat& now, i
 }  // namespace
 
 double SceneCorrelation::between(const ImagePyramid& before, const ImagePyramid& now,
-                                 const LocalMotion& motion) {
-  const int level = std::min(before.levels(), now.levels()) - 1;
-  if (level < 0) return 1.0;
+                                 const LocalMotion& motion) const {
+  if (before.empty() || now.empty()) return 1.0;
+  const int level = coarseLevel(before);
   const cv::Mat& a = before.level(level);
   const cv::Mat& b = now.level(level);
   const double pixel = std::ldexp(1.0, level);
@@ -71,9 +82,7 @@ double SceneCorrelation::between(const ImagePyramid& before, const ImagePyramid&
     }
   }
   if (correlations_.size() < kFewest) return 1.0;
-  const auto middle = correlations_.begin() + static_cast<std::ptrdiff_t>(correlations_.size() / 2);
-  std::nth_element(correlations_.begin(), middle, correlations_.end());
-  return *middle;
+  return medianInPlace(&correlations_);
 }
 
 }  // namespace camera_self_calibration

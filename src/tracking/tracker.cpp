@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/camera/image_size.h"
 #include "tracker_impl.h"
 
@@ -21,6 +22,10 @@ constexpr double kRelated = 0.5;
 // an image in which it finds nothing is another one. In fast motion it may fail in most of the
 // image, and what it finds in the rest is worth having.
 constexpr double kSlow = 0.01;
+constexpr int kSlowImages = 3;  // in a row: one that is shown twice does not move at all
+// Of the features, those that moved as their neighbours did: up to one in 25 after a cut. Where
+// something large passes in front of a camera that stands still, those beside it do.
+constexpr double kFollowed = 0.1;
 constexpr double kNeighbourhood = 0.15;  // [longer sides of the image]
 
 }  // namespace
@@ -42,7 +47,7 @@ void Tracker::Impl::restart() {
   previous_.clear();
   for (TrackGate& gate : gates_) gate.reset();
   balance_ = LevelBalance();
-  unrelated_ = 0;
+  unrelated_ = slow_images_ = 0;
 }
 
 void Tracker::Impl::load(const ImageView& image) {
@@ -61,6 +66,7 @@ void Tracker::Impl::load(const ImageView& image) {
 
 // Where the flow leads those that were found in the previous image.
 void Tracker::Impl::predict() {
+  steps_ = unrelated_ + 1;
   from_.clear();
   predicted_.clear();
   flow_index_.assign(features.size(), -1);
@@ -68,7 +74,8 @@ void Tracker::Impl::predict() {
     if (features[i].missed > 0) continue;
     flow_index_[i] = static_cast<int>(from_.size());
     const Eigen::Vector2f at = features[i].warp.pixel.cast<float>();
-    const Eigen::Vector2f guess = (features[i].warp.pixel + features[i].velocity).cast<float>();
+    const Eigen::Vector2f guess =
+        (features[i].warp.pixel + steps_ * features[i].velocity).cast<float>();
     from_.emplace_back(at.x(), at.y());
     predicted_.emplace_back(guess.x(), guess.y());
   }
@@ -91,7 +98,7 @@ void Tracker::Impl::find(std::size_t i, PatchRegistration* worker) {
     if (findFrom(i, {{there.x, there.y}, linear}, motion.pixel, worker)) return;
   }
   if (findFrom(i, {motion.pixel, linear}, motion.pixel, worker)) return;
-  feature.velocity = motion.pixel - feature.warp.pixel;
+  feature.velocity = (motion.pixel - feature.warp.pixel) / steps_;
   feature.warp = {motion.pixel, linear};
   ++feature.missed;
 }
@@ -111,7 +118,7 @@ bool Tracker::Impl::findFrom(std::size_t i, const Warp& start, const Eigen::Vect
   Feature& feature = features[i];
   const Registration result = worker->run(&patches_[feature.patch], current_, start);
   if (!accepts(feature, result, expected)) return false;
-  feature.velocity = result.warp.pixel - feature.warp.pixel;
+  feature.velocity = (result.warp.pixel - feature.warp.pixel) / steps_;
   feature.warp = result.warp;
   feature.pixel = result.pixel;
   feature.sigma = gateOf(feature).sigma(result);
@@ -159,7 +166,7 @@ void Tracker::Impl::limitReserve() {
   keepIf([&](const Feature& feature) { return feature.good() || !better(&limit, &feature); });
 }
 
-// Whether the features that were followed into the previous image moved little in it.
+// Whether the features moved little through the newest images.
 bool Tracker::Impl::isSlow() {
   speeds_.clear();
   for (const Feature& feature : features) {
@@ -168,16 +175,23 @@ bool Tracker::Impl::isSlow() {
       speeds_.push_back(feature.velocity.norm());
     }
   }
-  if (speeds_.empty()) return false;
-  const auto middle = speeds_.begin() + static_cast<std::ptrdiff_t>(speeds_.size() / 2);
-  std::nth_element(speeds_.begin(), middle, speeds_.end());
-  return *middle < kSlow * longerSide(frame.width, frame.height);
+  const double slow = kSlow * longerSide(frame.width, frame.height);
+  slow_images_ = !speeds_.empty() && medianInPlace(&speeds_) < slow ? slow_images_ + 1 : 0;
+  return slow_images_ >= kSlowImages;
+}
+
+// Whether the image shows something else: hardly a feature moved as its neighbours did, and its
+// blocks are unlike those of the previous one.
+bool Tracker::Impl::isUnrelated() const {
+  const auto enough = static_cast<int>(kFollowed * static_cast<double>(from_.size()));
+  return scene_.between(previous_, current_, local_motion_) < kRelated &&
+         local_motion_.countExpected() <= enough;
 }
 
 // The next image is compared with the one before a blink, as if it had not been taken. After a cut
 // no image is like the one before: then all begins anew.
 bool Tracker::Impl::followsPrevious() {
-  if (!isSlow() || scene_.between(previous_, current_, local_motion_) >= kRelated) {
+  if (!isSlow() || !isUnrelated()) {
     unrelated_ = 0;
     return true;
   }
@@ -191,7 +205,12 @@ bool Tracker::Impl::followsPrevious() {
 
 bool Tracker::Impl::advance() {
   predict();
-  if (!followsPrevious()) return false;
+  frame.unrelated = !followsPrevious();
+  if (frame.unrelated) {
+    frame.tracks.clear();
+    frame.carried.clear();
+    return false;
+  }
   search();
   learn();
   keepIf([this](const Feature& feature) { return mayReturn(feature); });
@@ -250,9 +269,8 @@ const TrackedFrame& Tracker::track(const ImageView& image) {
   const bool is_image = ImagePyramid::usable(image);
   if (is_image) impl_->load(image);
   impl_->usable = is_image && impl_->advance();
-  if (impl_->usable) return impl_->frame;
+  if (is_image) return impl_->frame;
   impl_->nothing.stamp_ns = image.stamp_ns;
-  impl_->nothing.unrelated = is_image;
   return impl_->nothing;
 }
 

@@ -64,6 +64,7 @@ struct Tracker::Impl {
  private:
   void predict();
   bool isSlow();
+  bool isUnrelated() const;
   bool followsPrevious();
   void search();
   void find(std::size_t i, PatchRegistration* worker);
@@ -106,7 +107,9 @@ struct Tracker::Impl {
   ZoomSearch zoom_search_;
   LocalMotion local_motion_;
   SceneCorrelation scene_;
-  int unrelated_ = 0;  // images since the newest that follows the one before it
+  int unrelated_ = 0;    // images since the newest that follows the one before it
+  int slow_images_ = 0;  // in a row
+  int steps_ = 1;        // images from the previous one that was taken to the present one
   LucasKanade backward_;
   std::array<PatchRegistration, kStripes> registrations_;
   std::vector<TrackGate> gates_;  // by level

@@ -86,6 +86,12 @@ TEST(Recording, SaysWhatMovedWithTheCamera) {
   EXPECT_EQ(summaryJson(recording)["carried_features"], 0);
   recording.carried = 57;
   EXPECT_NE(reportText(recording).find("57 features moved with the camera"), std::string::npos);
+  for (const char* losses : {"never lost", "lost once", "lost 2 times"}) {
+    const std::string sentence = "a pose for " + std::to_string(recording.poses.size()) + " of " +
+                                 std::to_string(recording.frames) + " images; tracking was ";
+    EXPECT_NE(reportText(recording).find(sentence + losses + "\n"), std::string::npos) << losses;
+    recording.events.push_back({EventType::kLost, 1, 1, "tracking was lost"});
+  }
   EXPECT_EQ(summaryJson(recording)["carried_features"], 57);
 }
 

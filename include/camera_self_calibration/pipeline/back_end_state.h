@@ -78,11 +78,13 @@ struct BackEndState {
   std::int64_t keyframes = 0;  ///< Seen so far.
   /// Of them, those of earlier lenses, or from before this start.
   std::int64_t earlier_keyframes = 0;
-  int maps = 0;              ///< That keyframes of this start were in; all but the last are lost.
-  ImageField field;          ///< The part of the image that sees.
-  CandidateOutcome outcome;  ///< Of its candidate.
-  double change_p_value = 1.0;  ///< Of the newest test whether the lens is still the same.
-  std::string obstacle;         ///< To hand-over, in words; empty if there is none.
+  int maps = 0;                  ///< That keyframes of this start were in.
+  std::int64_t map_begin = 0;    ///< `keyframes` at the first of the present map.
+  std::int64_t longest_map = 0;  ///< Keyframes of the longest of these maps.
+  ImageField field;              ///< The part of the image that sees.
+  CandidateOutcome outcome;      ///< Of its candidate.
+  double change_p_value = 1.0;   ///< Of the newest test whether the lens is still the same.
+  std::string obstacle;          ///< To hand-over, in words; empty if there is none.
 };
 
 }  // namespace camera_self_calibration

@@ -22,7 +22,8 @@ std::string toString(CalibrationState state);
 /// What a verdict rests on.
 struct HealthEvidence {
   int keyframes = 0;             ///< Seen so far.
-  int maps = 1;                  ///< That they were in: each but the last was lost.
+  int maps = 1;                  ///< That they were in.
+  int longest_map = 0;           ///< Keyframes of the longest of these.
   int needed_keyframes = 0;      ///< Of a map that can determine the lens: those of two segments.
   bool has_estimate = false;     ///< There is a solution with an information matrix.
   bool handed_over = false;      ///< The queue's estimate has taken over from the startup batch.

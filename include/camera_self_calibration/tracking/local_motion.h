@@ -35,9 +35,13 @@ class LocalMotion {
   /// parallax and the flow's errors [px]; 0 where too few say anything of their neighbourhood.
   double scatter() const { return scatter_; }
 
+  /// How many of the features are within a pixel of where their neighbours expect them.
+  int countExpected() const;
+
  private:
   void clear();
   void add(const cv::Point2f& from, const cv::Point2f& to);
+  double miss(std::size_t i) const;
   void weighOutliers();
 
   // Pairs side by side, filled up with weights of zero to a multiple of the lanes that are summed

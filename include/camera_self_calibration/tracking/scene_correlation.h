@@ -11,14 +11,15 @@ namespace camera_self_calibration {
 /// those of a repeated pattern are found again, each on another part of it.
 class SceneCorrelation {
  public:
-  /// Coefficient of correlation (-1 to 1) between the gray values of both images at their coarsest
-  /// level, where `motion` leads those of the first: median over blocks, so that what moves by
-  /// itself and changes of brightness do not count. About 0 for two unrelated images; 1 where too
-  /// few blocks have the contrast to tell.
-  double between(const ImagePyramid& before, const ImagePyramid& now, const LocalMotion& motion);
+  /// Coefficient of correlation (-1 to 1) between the gray values of both images at a coarse level,
+  /// where `motion` leads those of the first: median over blocks, so that brightness and what moves
+  /// by itself in less than half of the image do not count. About 0 for two unrelated images; 1
+  /// where too few blocks have the contrast to tell.
+  double between(const ImagePyramid& before, const ImagePyramid& now,
+                 const LocalMotion& motion) const;
 
  private:
-  std::vector<double> correlations_;  // of the blocks
+  mutable std::vector<double> correlations_;  // of the blocks, to spare allocations
 };
 
 }  // namespace camera_self_calibration

@@ -32,8 +32,8 @@ struct TrackedFrame {
   std::vector<Track> tracks;
   /// Tracks that ended at this image because the camera carries along what they showed.
   std::vector<std::int64_t> carried = {};
-  /// It shows nothing of what the image before it showed, and was not searched for tracks: a cut,
-  /// or a lens that is covered for a moment.
+  /// It shows nothing of what was tracked before, and was not searched for tracks: a cut, or
+  /// something in front of the lens.
   bool unrelated = false;
   ImageField field = {};  ///< What is dark in all images so far is no part of it.
 };

@@ -28,8 +28,8 @@ class Tracker {
 
   /// Advances all tracks into this image, and returns those that were found. The image has one size
   /// over the life of the tracker; another size drops all tracks and starts over. An image that
-  /// shows nothing of what the one before it showed is left out (TrackedFrame::unrelated); after
-  /// six in a row, all tracks end.
+  /// shows nothing of what was tracked before is left out (TrackedFrame::unrelated); after six in a
+  /// row, all tracks end.
   const TrackedFrame& track(const ImageView& image);
 
   /// Detects corners in the image tracked last, where no track is near, and starts tracks at those
