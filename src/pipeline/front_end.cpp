@@ -34,6 +34,25 @@ SlidingWindowOptions windowOptions(const Options& options) {
   return window;
 }
 
+bool hasEnoughTracks(const TrackedFrame& frame) {
+  return static_cast<int>(frame.tracks.size()) >= kMinTracks;
+}
+
+// And what to do about it.
+std::string whyNoPose(const TrackedFrame& frame) {
+  const std::string tracks = std::to_string(frame.tracks.size());
+  if (frame.unrelated) {
+    return "the image shows nothing of what was tracked before: a cut, missing images, or "
+           "something in front of the lens";
+  }
+  if (hasEnoughTracks(frame)) {
+    return "no pose agrees with the " + tracks +
+           " features. Move more slowly, or look at something that stands still";
+  }
+  return "only " + tracks + " features could be tracked; " + std::to_string(kMinTracks) +
+         " are needed. Move more slowly, or show the camera more texture";
+}
+
 }  // namespace
 
 FrontEnd::FrontEnd(const Options& options, const Camera& camera, std::int64_t first_keyframe)
@@ -214,22 +233,12 @@ void FrontEnd::resumeTracking(const TrackedFrame& frame) {
 void FrontEnd::missPose(const TrackedFrame& frame, FrontEndOutput* output) {
   if (state_ == TrackingState::kTracking) state_ = TrackingState::kLost;
   ++frames_without_pose_;
-  const int tracks = static_cast<int>(frame.tracks.size());
-  output->result.sentence =
-      frame.unrelated
-          ? "the image shows nothing of what was tracked before: a cut, missing images, or "
-            "something in front of the lens"
-      : tracks < kMinTracks
-          ? "only " + std::to_string(tracks) + " features could be tracked; " +
-                std::to_string(kMinTracks) +
-                " are needed. Move more slowly, or show the camera more texture"
-          : "no pose agrees with the " + std::to_string(tracks) +
-                " features. Move more slowly, or look at something that stands still";
+  output->result.sentence = whyNoPose(frame);
   if (frames_without_pose_ < kFramesUntilLost) return;
   const bool was_tracked = map_tracked_;
   resetMap();
   output->restart_tracking = true;
-  output->contradicted = tracks >= kMinTracks;
+  output->contradicted = hasEnoughTracks(frame);
   if (was_tracked || loss_reported_) state_ = TrackingState::kLost;
   if (!was_tracked) return;
   loss_reported_ = true;
@@ -304,7 +313,7 @@ void FrontEnd::makeKeyframe(const TrackedFrame& frame, std::vector<Track> detect
   TrackedFrame whole = frame;
   whole.tracks.insert(whole.tracks.end(), detected.begin(), detected.end());
   if (motions_.size() > 0) motions_.addDetected(detected);
-  if (static_cast<int>(whole.tracks.size()) < kMinTracks) return;
+  if (!hasEnoughTracks(whole)) return;
 
   Keyframe keyframe;
   keyframe.id = keyframes_++;

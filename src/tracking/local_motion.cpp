@@ -1,11 +1,11 @@
 #include "camera_self_calibration/tracking/local_motion.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numeric>
 
 #include "camera_self_calibration/base/cpu_clones.h"
+#include "camera_self_calibration/base/median.h"
 
 namespace camera_self_calibration {
 namespace {
@@ -67,11 +67,11 @@ double LocalMotion::miss(std::size_t i) const {
   return (expected - Eigen::Vector2d(to_x_[i], to_y_[i])).norm();
 }
 
-int LocalMotion::countExpected() const {
-  if (count_ < kMinPairs) return 0;
-  int count = 0;
-  for (std::size_t i = 0; i < count_; ++i) count += miss(i) < kMinMiss;
-  return count;
+bool LocalMotion::expectsMoreThan(int count) const {
+  if (count_ < kMinPairs) return false;
+  int expected = 0;
+  for (std::size_t i = 0; i < count_ && expected <= count; ++i) expected += miss(i) < kMinMiss;
+  return expected > count;
 }
 
 void LocalMotion::weighOutliers() {
@@ -80,9 +80,7 @@ void LocalMotion::weighOutliers() {
   misses_.clear();
   for (std::size_t i = 0; i < count_; ++i) misses_.push_back(miss(i));
   sorted_ = misses_;
-  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
-  std::nth_element(sorted_.begin(), middle, sorted_.end());
-  scatter_ = 2.0 * *middle + kMinMiss;
+  scatter_ = 2.0 * medianInPlace(&sorted_) + kMinMiss;
   for (std::size_t i = 0; i < count_; ++i) {
     const double square = misses_[i] * misses_[i] / (scatter_ * scatter_);
     weights_[i] = static_cast<float>(1.0 / (1.0 + square * square));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "camera_self_calibration/base/median.h"
 
@@ -64,25 +65,25 @@ std::optional<double> correlationOf(const cv::Mat& before, const cv::Mat& now, i
 
 }  // namespace
 
-double SceneCorrelation::between(const ImagePyramid& before, const ImagePyramid& now,
-                                 const LocalMotion& motion) const {
+double sceneCorrelation(const ImagePyramid& before, const ImagePyramid& now,
+                        const LocalMotion& motion) {
   if (before.empty() || now.empty()) return 1.0;
   const int level = coarseLevel(before);
   const cv::Mat& a = before.level(level);
   const cv::Mat& b = now.level(level);
   const double pixel = std::ldexp(1.0, level);
-  correlations_.clear();
+  std::vector<double> correlations;
   for (int y = 0; y + kBlock <= a.rows; y += kBlock) {
     for (int x = 0; x + kBlock <= a.cols; x += kBlock) {
       const Eigen::Vector2d middle(x + 0.5 * (kBlock - 1), y + 0.5 * (kBlock - 1));
       const LocalMotion::Motion moved = motion.at(pixel * middle);
       const std::optional<double> correlation =
           correlationOf(a, b, x, y, middle, moved.pixel / pixel, moved.linear);
-      if (correlation) correlations_.push_back(*correlation);
+      if (correlation) correlations.push_back(*correlation);
     }
   }
-  if (correlations_.size() < kFewest) return 1.0;
-  return medianInPlace(&correlations_);
+  if (correlations.size() < kFewest) return 1.0;
+  return medianInPlace(&correlations);
 }
 
 }  // namespace camera_self_calibration

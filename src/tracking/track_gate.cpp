@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_self_calibration/base/median.h"
+
 namespace camera_self_calibration {
 namespace {
 
@@ -74,9 +76,7 @@ void TrackGate::learn(const std::vector<Registration>& registrations) {
   if (registrations.size() < kMinSample) return;
   residuals_.clear();
   for (const Registration& r : registrations) residuals_.push_back(r.residual);
-  const auto middle = residuals_.begin() + static_cast<std::ptrdiff_t>(residuals_.size() / 2);
-  std::nth_element(residuals_.begin(), middle, residuals_.end());
-  const double noise = kResidualFactor * *middle;
+  const double noise = kResidualFactor * medianInPlace(&residuals_);
   const double rate = std::max(kForget, 1.0 / ++images_);
   noise_ += rate * (noise - noise_);
 }

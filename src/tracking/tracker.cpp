@@ -6,6 +6,7 @@
 
 #include "camera_self_calibration/base/median.h"
 #include "camera_self_calibration/camera/image_size.h"
+#include "camera_self_calibration/tracking/scene_correlation.h"
 #include "tracker_impl.h"
 
 namespace camera_self_calibration {
@@ -66,7 +67,6 @@ void Tracker::Impl::load(const ImageView& image) {
 
 // Where the flow leads those that were found in the previous image.
 void Tracker::Impl::predict() {
-  steps_ = unrelated_ + 1;
   from_.clear();
   predicted_.clear();
   flow_index_.assign(features.size(), -1);
@@ -75,7 +75,7 @@ void Tracker::Impl::predict() {
     flow_index_[i] = static_cast<int>(from_.size());
     const Eigen::Vector2f at = features[i].warp.pixel.cast<float>();
     const Eigen::Vector2f guess =
-        (features[i].warp.pixel + steps_ * features[i].velocity).cast<float>();
+        (features[i].warp.pixel + steps() * features[i].velocity).cast<float>();
     from_.emplace_back(at.x(), at.y());
     predicted_.emplace_back(guess.x(), guess.y());
   }
@@ -98,7 +98,7 @@ void Tracker::Impl::find(std::size_t i, PatchRegistration* worker) {
     if (findFrom(i, {{there.x, there.y}, linear}, motion.pixel, worker)) return;
   }
   if (findFrom(i, {motion.pixel, linear}, motion.pixel, worker)) return;
-  feature.velocity = (motion.pixel - feature.warp.pixel) / steps_;
+  feature.velocity = (motion.pixel - feature.warp.pixel) / steps();
   feature.warp = {motion.pixel, linear};
   ++feature.missed;
 }
@@ -118,7 +118,7 @@ bool Tracker::Impl::findFrom(std::size_t i, const Warp& start, const Eigen::Vect
   Feature& feature = features[i];
   const Registration result = worker->run(&patches_[feature.patch], current_, start);
   if (!accepts(feature, result, expected)) return false;
-  feature.velocity = (result.warp.pixel - feature.warp.pixel) / steps_;
+  feature.velocity = (result.warp.pixel - feature.warp.pixel) / steps();
   feature.warp = result.warp;
   feature.pixel = result.pixel;
   feature.sigma = gateOf(feature).sigma(result);
@@ -184,17 +184,14 @@ bool Tracker::Impl::isSlow() {
 // blocks are unlike those of the previous one.
 bool Tracker::Impl::isUnrelated() const {
   const auto enough = static_cast<int>(kFollowed * static_cast<double>(from_.size()));
-  return scene_.between(previous_, current_, local_motion_) < kRelated &&
-         local_motion_.countExpected() <= enough;
+  return !local_motion_.expectsMoreThan(enough) &&
+         sceneCorrelation(previous_, current_, local_motion_) < kRelated;
 }
 
 // The next image is compared with the one before a blink, as if it had not been taken. After a cut
 // no image is like the one before: then all begins anew.
 bool Tracker::Impl::followsPrevious() {
-  if (!isSlow() || !isUnrelated()) {
-    unrelated_ = 0;
-    return true;
-  }
+  if (!isSlow() || !isUnrelated()) return true;
   if (++unrelated_ <= kMaxMissed) {
     std::swap(previous_, current_);
   } else {
@@ -218,6 +215,7 @@ bool Tracker::Impl::advance() {
   listTracks();
   frame.carried = carried_.add(frame);
   if (!frame.carried.empty()) end(frame.carried);
+  unrelated_ = 0;
   return true;
 }
 

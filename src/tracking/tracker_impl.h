@@ -14,7 +14,6 @@
 #include "camera_self_calibration/tracking/lucas_kanade.h"
 #include "camera_self_calibration/tracking/patch_registration.h"
 #include "camera_self_calibration/tracking/pyramid.h"
-#include "camera_self_calibration/tracking/scene_correlation.h"
 #include "camera_self_calibration/tracking/stripes.h"
 #include "camera_self_calibration/tracking/track_gate.h"
 #include "camera_self_calibration/tracking/tracker.h"
@@ -63,6 +62,8 @@ struct Tracker::Impl {
 
  private:
   void predict();
+  // Images from the previous one that was taken to the present one.
+  int steps() const { return unrelated_ + 1; }
   bool isSlow();
   bool isUnrelated() const;
   bool followsPrevious();
@@ -106,10 +107,8 @@ struct Tracker::Impl {
   FlowPrediction flow_;
   ZoomSearch zoom_search_;
   LocalMotion local_motion_;
-  SceneCorrelation scene_;
   int unrelated_ = 0;    // images since the newest that follows the one before it
   int slow_images_ = 0;  // in a row
-  int steps_ = 1;        // images from the previous one that was taken to the present one
   LucasKanade backward_;
   std::array<PatchRegistration, kStripes> registrations_;
   std::vector<TrackGate> gates_;  // by level

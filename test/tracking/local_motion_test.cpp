@@ -67,6 +67,15 @@ TEST(LocalMotion, FewerThanSixPairsSayNothing) {
   EXPECT_EQ(motion.at(pixel).pixel, pixel);
   EXPECT_EQ(motion.at(pixel).linear, Eigen::Matrix2d::Identity());
   EXPECT_EQ(motion.scatter(), 0.0);
+  EXPECT_FALSE(motion.expectsMoreThan(0));
+}
+
+TEST(LocalMotion, TellsHowManyMoveAsTheirNeighboursDo) {
+  Flow flow = flowOf(Turn(), 40);
+  for (std::size_t i = 0; i < 4; ++i) flow.to[10 * i] += cv::Point2f(0.0f, 30.0f);
+  const LocalMotion motion = flow.fitted();
+  EXPECT_TRUE(motion.expectsMoreThan(35));
+  EXPECT_FALSE(motion.expectsMoreThan(36));
 }
 
 TEST(LocalMotion, WhatWasNotFoundDoesNotCount) {

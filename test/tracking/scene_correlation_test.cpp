@@ -47,7 +47,7 @@ class SceneCorrelationTest : public testing::Test {
   }
 
   double correlation(const ImagePyramid& before, const ImagePyramid& now, double yaw) {
-    return SceneCorrelation().between(before, now, turnedBy(yaw));
+    return sceneCorrelation(before, now, turnedBy(yaw));
   }
 
   std::mt19937_64 random_{1};

@@ -140,8 +140,8 @@ struct Interrupted {
   std::size_t detected = 0;
   std::int64_t next = 0;
 
-  explicit Interrupted(int images = 5) {
-    for (int i = 0; i < images; ++i) track(false);
+  Interrupted() {
+    for (int i = 0; i < 5; ++i) track(false);
   }
 
   const TrackedFrame& track(bool elsewhere) {

@@ -35,8 +35,9 @@ class LocalMotion {
   /// parallax and the flow's errors [px]; 0 where too few say anything of their neighbourhood.
   double scatter() const { return scatter_; }
 
-  /// How many of the features are within a pixel of where their neighbours expect them.
-  int countExpected() const;
+  /// Whether more than `count` of the features are within a pixel of where their neighbours expect
+  /// them; looks at no more of them than it takes.
+  bool expectsMoreThan(int count) const;
 
  private:
   void clear();
